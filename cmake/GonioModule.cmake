@@ -1,0 +1,23 @@
+# gonio_module(NAME SOURCES ... PUBLIC ... PRIVATE ...)
+#   Defines gonio::NAME from the sources of the current folder. What a header of this module
+#   includes goes in PUBLIC; what only its .cpp files need, in PRIVATE.
+function(gonio_module name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "SOURCES;PUBLIC;PRIVATE")
+  add_library(gonio_${name} STATIC ${arg_SOURCES})
+  add_library(gonio::${name} ALIAS gonio_${name})
+  target_include_directories(gonio_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  target_link_libraries(gonio_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} gonio::options)
+endfunction()
+
+# gonio_test(NAME LABEL label SOURCES ... LINK ...)
+#   One test executable per folder (links are slow on small machines); ctest names are NAME.Suite.Test.
+function(gonio_test name)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "SOURCES;LINK")
+  add_executable(${name}_test ${arg_SOURCES})
+  target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR})
+  target_link_libraries(${name}_test PRIVATE ${arg_LINK} GTest::gmock_main gonio::options)
+  target_compile_definitions(${name}_test PRIVATE
+    GONIO_SOURCE_DIR="${PROJECT_SOURCE_DIR}" GONIO_BINARY="$<TARGET_FILE:gonio>")
+  gtest_discover_tests(${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS "${arg_LABEL}" TIMEOUT 300)
+endfunction()

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Time is injected: a session reads and waits on a Clock, so that a simulated night takes seconds.
+
+#pragma once
+
+#include <chrono>
+#include <stop_token>
+
+namespace gonio {
+
+using Seconds = std::chrono::duration<double>;
+
+// Monotonic time since the clock was made. One thread at a time, except that a stop_token may be
+// triggered from anywhere.
+class Clock {
+ public:
+  virtual ~Clock() = default;
+  virtual Seconds Now() const = 0;
+  // Returns after `duration`, or early once `stop` is requested. Negative durations count as zero.
+  virtual void SleepFor(Seconds duration, std::stop_token stop = {}) = 0;
+};
+
+// Moves only when told to or slept on.
+class ManualClock final : public Clock {
+ public:
+  Seconds Now() const override { return now_; }
+  void SleepFor(Seconds duration, std::stop_token stop = {}) override {
+    if (!stop.stop_requested() && duration > Seconds::zero()) now_ += duration;
+  }
+
+ private:
+  Seconds now_{0};
+};
+
+}  // namespace gonio

@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "core/config.h"
+
+#include <fmt/format.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/error.h"
+#include "core/file.h"
+
+namespace gonio {
+
+struct ConfigNode::Impl {
+  std::string file;
+  std::string path;  // "axes.tilt." or empty at the root
+  YAML::Node node;
+  std::set<std::string, std::less<>> read;
+  std::map<std::string, std::vector<ConfigNode>, std::less<>> opened;
+
+  [[noreturn]] void FailAt(const YAML::Mark& mark, std::string_view key,
+                           const std::string& complaint) const {
+    throw ConfigError(fmt::format("{}:{}: {}{}: {}", file, mark.line + 1, path, key, complaint));
+  }
+
+  // The value of `key`, or an undefined node.
+  YAML::Node Find(std::string_view key) {
+    read.emplace(key);
+    for (const auto& entry : node) {
+      if (entry.first.Scalar() == key) return entry.second;
+    }
+    return YAML::Node(YAML::NodeType::Undefined);
+  }
+
+  YAML::Node Require(std::string_view key) {
+    YAML::Node found = Find(key);
+    if (!found.IsDefined() || found.IsNull()) FailAt(node.Mark(), key, "is missing");
+    return found;
+  }
+
+  std::string Scalar(std::string_view key) {
+    const YAML::Node found = Require(key);
+    if (!found.IsScalar()) FailAt(found.Mark(), key, "must be a single value");
+    return found.Scalar();
+  }
+};
+
+namespace {
+
+std::string Describe(const Range& range) {
+  const bool low = std::isfinite(range.min);
+  const bool high = std::isfinite(range.max);
+  if (low && high) return fmt::format("must be between {} and {}", range.min, range.max);
+  if (low) return fmt::format("must be {} {}", range.min_open ? ">" : ">=", range.min);
+  return fmt::format("must be <= {}", range.max);
+}
+
+bool Holds(const Range& range, double number) {
+  return number <= range.max && (range.min_open ? number > range.min : number >= range.min);
+}
+
+// Throws on a key that stands twice in one mapping, which YAML forbids and yaml-cpp lets pass.
+void RefuseDuplicateKeys(const YAML::Node& node, const std::string& file) {
+  if (node.IsSequence()) {
+    for (const auto& item : node) RefuseDuplicateKeys(item, file);
+  }
+  if (!node.IsMap()) return;
+  std::set<std::string> seen;
+  for (const auto& entry : node) {
+    if (!entry.first.IsScalar()) {
+      throw ConfigError(
+          fmt::format("{}:{}: a key must be a single word", file, entry.first.Mark().line + 1));
+    }
+    if (!seen.insert(entry.first.Scalar()).second) {
+      throw ConfigError(fmt::format("{}:{}: {}: stands twice", file, entry.first.Mark().line + 1,
+                                    entry.first.Scalar()));
+    }
+    RefuseDuplicateKeys(entry.second, file);
+  }
+}
+
+}  // namespace
+
+ConfigNode::ConfigNode(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
+ConfigNode ConfigNode::Load(const std::filesystem::path& path) {
+  return Parse(ReadTextFile(path), path.string());
+}
+
+ConfigNode ConfigNode::Parse(const std::string& text, const std::string& name) {
+  auto impl = std::make_shared<Impl>();
+  impl->file = name;
+  try {
+    impl->node = YAML::Load(text);
+  } catch (const YAML::Exception& e) {
+    throw ConfigError(fmt::format("{}:{}: not valid YAML: {}", name, e.mark.line + 1, e.msg));
+  }
+  if (!impl->node.IsMap()) {
+    throw ConfigError(fmt::format("{}:1: must hold keys and values (\"key: value\")", name));
+  }
+  RefuseDuplicateKeys(impl->node, name);
+  return ConfigNode(impl);
+}
+
+bool ConfigNode::Has(std::string_view key) const { return impl_->Find(key).IsDefined(); }
+
+std::vector<std::string> ConfigNode::Keys() const {
+  std::vector<std::string> keys;
+  for (const auto& entry : impl_->node) keys.push_back(entry.first.Scalar());
+  return keys;
+}
+
+ConfigNode ConfigNode::Map(std::string_view key) const {
+  const YAML::Node found = impl_->Require(key);
+  if (!found.IsMap()) impl_->FailAt(found.Mark(), key, "must hold keys and values");
+  auto& opened = impl_->opened[std::string(key)];
+  if (opened.empty()) {
+    auto child = std::make_shared<Impl>();
+    child->file = impl_->file;
+    child->path = fmt::format("{}{}.", impl_->path, key);
+    child->node = found;
+    opened.push_back(ConfigNode(child));
+  }
+  return opened.front();
+}
+
+std::vector<ConfigNode> ConfigNode::MapList(std::string_view key) const {
+  const YAML::Node found = impl_->Require(key);
+  if (!found.IsSequence() || found.size() == 0) {
+    impl_->FailAt(found.Mark(), key, "must be a list that is not empty");
+  }
+  auto& opened = impl_->opened[std::string(key)];
+  if (opened.empty()) {
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!found[i].IsMap())
+        impl_->FailAt(found[i].Mark(), key, "entries must hold keys and values");
+      auto child = std::make_shared<Impl>();
+      child->file = impl_->file;
+      child->path = fmt::format("{}{}[{}].", impl_->path, key, i);
+      child->node = found[i];
+      opened.push_back(ConfigNode(child));
+    }
+  }
+  return opened;
+}
+
+double ConfigNode::Number(std::string_view key, Range range) const {
+  const std::string text = impl_->Scalar(key);
+  const YAML::Mark mark = impl_->Require(key).Mark();
+  double number = 0;
+  if (!YAML::convert<double>::decode(impl_->Require(key), number) || !std::isfinite(number)) {
+    impl_->FailAt(mark, key, fmt::format("is \"{}\", must be a finite number", text));
+  }
+  if (!Holds(range, number)) {
+    impl_->FailAt(mark, key, fmt::format("is {}, {}", text, Describe(range)));
+  }
+  return number;
+}
+
+double ConfigNode::NumberOr(std::string_view key, double fallback, Range range) const {
+  return Has(key) ? Number(key, range) : fallback;
+}
+
+int ConfigNode::Integer(std::string_view key, int min, int max) const {
+  const double number = Number(key, Range::Between(min, max));
+  if (number != std::floor(number)) Fail(key, fmt::format("is {}, must be a whole number", number));
+  return static_cast<int>(number);
+}
+
+int ConfigNode::IntegerOr(std::string_view key, int fallback, int min, int max) const {
+  return Has(key) ? Integer(key, min, max) : fallback;
+}
+
+bool ConfigNode::BoolOr(std::string_view key, bool fallback) const {
+  if (!Has(key)) return fallback;
+  const std::string text = impl_->Scalar(key);
+  if (text == "true") return true;
+  if (text == "false") return false;
+  Fail(key, fmt::format("is \"{}\", must be true or false", text));
+}
+
+std::string ConfigNode::Text(std::string_view key) const {
+  std::string text = impl_->Scalar(key);
+  if (text.empty()) Fail(key, "must not be empty");
+  return text;
+}
+
+std::string ConfigNode::TextOr(std::string_view key, std::string fallback) const {
+  return Has(key) ? Text(key) : fallback;
+}
+
+std::string ConfigNode::Choice(std::string_view key, const std::vector<std::string>& names) const {
+  std::string text = Text(key);
+  if (std::find(names.begin(), names.end(), text) == names.end()) {
+    Fail(key, fmt::format("is \"{}\", must be one of {}", text, fmt::join(names, ", ")));
+  }
+  return text;
+}
+
+std::vector<double> ConfigNode::Numbers(std::string_view key, std::size_t size, Range range) const {
+  const YAML::Node found = impl_->Require(key);
+  if (!found.IsSequence() || found.size() == 0 || (size != 0 && found.size() != size)) {
+    impl_->FailAt(found.Mark(), key,
+                  size == 0 ? "must be a list of numbers"
+                            : fmt::format("must be a list of {} numbers", size));
+  }
+  std::vector<double> numbers;
+  for (const auto& item : found) {
+    double number = 0;
+    if (!item.IsScalar() || !YAML::convert<double>::decode(item, number) ||
+        !std::isfinite(number)) {
+      impl_->FailAt(item.Mark(), key, "holds something that is not a finite number");
+    }
+    if (!Holds(range, number)) {
+      impl_->FailAt(item.Mark(), key, fmt::format("holds {}, {}", number, Describe(range)));
+    }
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+void ConfigNode::RefuseUnknownKeys() const {
+  for (const auto& entry : impl_->node) {
+    const std::string& key = entry.first.Scalar();
+    if (!impl_->read.contains(key)) impl_->FailAt(entry.first.Mark(), key, "is not a known key");
+  }
+  for (const auto& [key, children] : impl_->opened) {
+    for (const ConfigNode& child : children) child.RefuseUnknownKeys();
+  }
+}
+
+void ConfigNode::Fail(std::string_view key, const std::string& complaint) const {
+  const YAML::Node found = impl_->Find(key);
+  impl_->FailAt(found.IsDefined() ? found.Mark() : impl_->node.Mark(), key, complaint);
+}
+
+const std::string& ConfigNode::file() const { return impl_->file; }
+
+}  // namespace gonio

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: Apache-2.0
+// The maximum a posteriori DSBRDF of a set of samples, with its Laplace covariance.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "brdf/brdf.h"
+#include "fitting/dsbrdf.h"
+#include "fitting/prior.h"
+
+namespace gonio {
+
+struct FitOptions {};
+
+// What happened; the numbers that did not work out are data.
+struct FitSummary {
+  bool converged = false;
+  std::string reason;      // why the iteration ended
+  int samples = 0;         // poses used
+  int residuals = 0;       // scalar residuals used (pose x channel)
+  int iterations = 0;      // Gauss-Newton steps of the winning start
+  int starts = 0;          // starts that were iterated
+  double cost = 0;         // negative log posterior up to a constant
+  double model_error = 0;  // estimated standard deviation of log f_r beyond the samples' sigma
+};
+
+struct Prediction {
+  Rgb f_r = Rgb::Zero();    // 1/sr
+  Rgb sigma = Rgb::Zero();  // standard deviation of f_r, 1/sr
+};
+
+// A fit is a Brdf that also knows how sure it is.
+class DsbrdfFit final : public Brdf {
+ public:
+  DsbrdfFit(Dsbrdf model, Eigen::MatrixXd covariance, FitSummary summary);
+
+  using Brdf::Eval;
+  std::optional<Rgb> Eval(const HalfDiff& angles) const override { return model_.Eval(angles); }
+  std::string name() const override { return model_.name(); }
+
+  // f_r with the standard deviation that parameter covariance and model error leave.
+  Prediction Predict(const HalfDiff& angles) const;
+
+  const Dsbrdf& model() const { return model_; }
+  const Eigen::MatrixXd& covariance() const { return covariance_; }
+  const FitSummary& summary() const { return summary_; }
+
+ private:
+  Dsbrdf model_;
+  Eigen::MatrixXd covariance_;
+  FitSummary summary_;
+};
+
+// Fits. Throws ConfigError if no sample is usable (all sigma infinite). Deterministic.
+DsbrdfFit FitDsbrdf(std::span<const BrdfSample> samples, const Prior& prior,
+                    const FitOptions& options = {});
+
+// FIT.yaml (docs/data-format.md), written atomically; reading throws ConfigError.
+void WriteFit(const std::filesystem::path& path, const DsbrdfFit& fit);
+DsbrdfFit ReadFit(const std::filesystem::path& path);
+
+}  // namespace gonio

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// What is believed about a material before it is measured.
+
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "fitting/dsbrdf.h"
+
+namespace gonio {
+
+// A Gaussian over the parameter vector of a Dsbrdf (Lombardi & Nishino, "Reflectance and
+// Illumination Recovery in the Wild", 2012, learn one from MERL).
+struct Prior {
+  std::string name;
+  DsbrdfShape shape;
+  Eigen::VectorXd mean;        // shape.size()
+  Eigen::MatrixXd covariance;  // symmetric, positive definite
+  // Names of the materials it was learned from; empty for the generic one. A study refuses to score
+  // a material against a prior that lists it.
+  std::vector<std::string> materials;
+};
+
+// The built-in prior: no material was used to make it; its assumptions stand in docs/fitting.md.
+Prior GenericPrior(const DsbrdfShape& shape = {});
+
+// A prior file (docs/data-format.md). Throws ConfigError: wrong version, sizes, a covariance that
+// is not symmetric and positive definite.
+Prior ReadPrior(const std::filesystem::path& path);
+void WritePrior(const std::filesystem::path& path, const Prior& prior);
+
+}  // namespace gonio

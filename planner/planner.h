@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Who decides where to look next.
+
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "brdf/brdf.h"
+#include "brdf/direction.h"
+
+namespace gonio {
+
+// A pose the planner wants measured, and why.
+struct Proposal {
+  DirectionPair directions;
+  int candidate = 0;   // index into the candidate set
+  double score = 0;    // what the planner maximised, in its own unit; larger is better
+  std::string reason;  // one short phrase for the log: "opening", "information", "raster"
+};
+
+// A planner is a plain conversation, with no clock, no device and no file:
+//
+//   while (auto next = planner.Next()) planner.Observe(*next, Measure(*next));
+//
+// Promises, checked by tests/conformance/planner.h on every planner:
+//
+//   1. Next() returns only members of the candidate set it was built with.
+//   2. Next() with no Observe() or Reject() in between repeats its answer.
+//   3. A rejected pose is never proposed again.
+//   4. The same candidates, seed and observations give the same proposals.
+//   5. Next() returns nullopt after finitely many steps; reason() then says why.
+//
+// One thread.
+class Planner {
+ public:
+  virtual ~Planner() = default;
+  virtual std::optional<Proposal> Next() = 0;
+  // `sample` was measured for `proposal`; its directions are the encoders', so a little off.
+  virtual void Observe(const Proposal& proposal, const BrdfSample& sample) = 0;
+  // The pose could not be measured: shadowed, saturated, out of reach.
+  virtual void Reject(const Proposal& proposal) = 0;
+  // Why Next() returned nullopt, for the log and the report: "pose budget reached", ...
+  virtual std::string reason() const = 0;
+  // How many poses this planner will propose at most; for progress and ETA.
+  virtual int MaxPoses() const = 0;
+  // The error the planner expects its fit to have now, in the metric it optimises (docs/
+  // planning.md); empty for planners that keep no fit.
+  virtual std::optional<double> PredictedError() const { return std::nullopt; }
+  // f_r the planner expects at a pair, to choose the exposure with; empty if it has no idea.
+  virtual std::optional<Rgb> Predict(const DirectionPair&) const { return std::nullopt; }
+};
+
+}  // namespace gonio
