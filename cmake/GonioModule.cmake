@@ -17,7 +17,7 @@ function(gonio_test name)
   target_include_directories(${name}_test PRIVATE ${PROJECT_SOURCE_DIR})
   target_link_libraries(${name}_test PRIVATE ${arg_LINK} GTest::gmock_main gonio::options)
   target_compile_definitions(${name}_test PRIVATE
-    GONIO_SOURCE_DIR="${PROJECT_SOURCE_DIR}" GONIO_BINARY="$<TARGET_FILE:gonio>")
+    GONIO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   gtest_discover_tests(${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS "${arg_LABEL}" TIMEOUT 300)
 endfunction()

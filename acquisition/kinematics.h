@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: Apache-2.0
+// From direction pairs to axis positions and back.
+
+#pragma once
+
+#include <optional>
+
+#include "acquisition/rig.h"
+#include "brdf/direction.h"
+
+namespace gonio {
+
+// Four-axis rig: each arm is set by azimuth (about the sample normal) and elevation (from the
+// sample plane; pi/2 = along the normal). docs/geometry.md has the drawing.
+class Kinematics {
+ public:
+  explicit Kinematics(const RigConfig& rig);
+
+  // Where the arms point at these axis positions.
+  DirectionPair Forward(const ArmAngles& angles) const;
+
+  // Axis positions that realise `pair` for an isotropic sample: turning both azimuths together and
+  // mirroring the pair in a plane through the normal change nothing, so among those solutions
+  // inside the limits the one that is reached soonest from `from` is returned. nullopt: out of
+  // reach.
+  std::optional<ArmAngles> Inverse(const DirectionPair& pair, const ArmAngles& from) const;
+
+  // Whether Inverse() would find a solution, from anywhere.
+  bool Reachable(const DirectionPair& pair) const;
+
+  // Time for all axes to get from one position to another, moving together (trapezoidal profiles;
+  // the slowest axis decides). Without settling.
+  Seconds TravelTime(const ArmAngles& from, const ArmAngles& to) const;
+
+ private:
+  bool Allowed(const DirectionPair& pair) const;
+
+  std::array<AxisLimits, kAxes> limits_;
+  GeometryConfig geometry_;
+};
+
+// Duration of a trapezoidal (or triangular) move over `distance` [rad] >= 0.
+Seconds TrapezoidTime(double distance, double max_speed, double acceleration);
+
+}  // namespace gonio

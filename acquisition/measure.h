@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+// One pose: move, settle, expose until usable, reduce.
+
+#pragma once
+
+#include <optional>
+#include <stop_token>
+#include <vector>
+
+#include "acquisition/kinematics.h"
+#include "acquisition/rig.h"
+
+namespace gonio {
+
+struct Exposure {
+  Frame frame;
+  double monitor = 1;         // the monitor's reading that belongs to this frame
+  bool saturated[kChannels];  // some pixel of the channel reached full scale
+};
+
+// Everything the devices said about one pose: what the event log keeps, before any reduction.
+struct PoseRecord {
+  ArmAngles commanded{};
+  ArmAngles readback{};  // encoders, after settling
+  int move_retries = 0;
+  Seconds start{0};      // session clock
+  Seconds move_time{0};  // until the last axis was still
+  Seconds end{0};        // after the last exposure
+  std::vector<Exposure> exposures;
+};
+
+// Measures poses with opened devices. One thread.
+class PoseMeasurer {
+ public:
+  // Keeps references; all must outlive it.
+  PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock);
+
+  // Homes every axis and switches the light on. Must succeed once before Measure().
+  Result<void> Prepare(std::stop_token stop);
+
+  // `expected`: f_r to choose the first exposure with; without it the last pose's is used.
+  // kRefused: the pose is out of reach, or an axis missed its target after all retries.
+  Result<PoseRecord> Measure(const DirectionPair& pair, const std::optional<Rgb>& expected,
+                             std::stop_token stop);
+
+  // Where the arms are, by their encoders.
+  const ArmAngles& position() const { return position_; }
+
+ private:
+  Result<void> MoveTo(const ArmAngles& target, PoseRecord& record, std::stop_token stop);
+  Result<void> ExposeUntilUsable(const DirectionPair& pair, const std::optional<Rgb>& expected,
+                                 PoseRecord& record, std::stop_token stop);
+
+  const RigConfig& rig_;
+  Devices& devices_;
+  Clock& clock_;
+  Kinematics kinematics_;
+  ArmAngles position_{};
+  Seconds last_exposure_{0};
+};
+
+// Stops every axis; the first error is returned, but all are stopped.
+Result<void> StopAll(Devices& devices);
+
+}  // namespace gonio

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: Apache-2.0
+// From counts to f_r with its standard uncertainty.
+
+#pragma once
+
+#include "acquisition/measure.h"
+#include "brdf/brdf.h"
+
+namespace gonio {
+
+// Reduces the exposures of a pose to one sample per channel: dark and black level subtracted,
+// divided by responsivity, light, exposure and cos(theta_i), combined over the unsaturated frames
+// by inverse variance. sigma covers shot, read, quantisation, multiplicative and monitor noise; it
+// is infinite for a channel saturated in every frame. docs/radiometry.md has the measurement
+// equation.
+BrdfSample Reduce(const PoseRecord& pose, const RigConfig& rig);
+
+}  // namespace gonio

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// A gonioreflectometer as its configuration describes it, and its opened devices.
+
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "brdf/brdf.h"
+#include "core/clock.h"
+#include "core/config.h"
+#include "drivers/axis.h"
+#include "drivers/camera.h"
+#include "drivers/light.h"
+
+namespace gonio {
+
+// The four axes, in this order everywhere: arrays, tables, files.
+enum AxisIndex { kLightAzimuth, kLightElevation, kCameraAzimuth, kCameraElevation };
+inline constexpr int kAxes = 4;
+inline constexpr const char* kAxisNames[kAxes] = {"light_azimuth", "light_elevation",
+                                                  "camera_azimuth", "camera_elevation"};
+
+// Axis positions [rad] in AxisIndex order.
+using ArmAngles = std::array<double, kAxes>;
+
+struct GeometryConfig {
+  // Smallest angle between the arms as seen from the sample [rad]: nearer, they touch or the camera
+  // shadows the light. theta_d below half of it is out of reach.
+  double min_separation = 0;
+  double max_polar = 0;  // rad, < pi/2: no direction is measured nearer to the horizon
+};
+
+struct MotionConfig {
+  Seconds settle{0};        // waited after the last axis has arrived
+  Seconds home_limit{120};  // time-out of homing
+  int retries = 2;          // repeats of a move that ended outside its tolerance
+};
+
+struct ExposureConfig {
+  double target_fraction = 0.6;  // of full scale, aimed at for the brightest channel
+  double min_fraction = 0.02;    // of full scale: a channel below this wants a longer exposure
+  int max_frames = 6;            // per pose, metering included
+};
+
+// Turns counts into f_r: electrons = responsivity * f_r * cos(theta_i) * light * exposure.
+struct RadiometryConfig {
+  Rgb responsivity = Rgb::Ones();   // electrons per pixel, per second, per (f_r cos theta_i = 1/sr)
+  double electrons_per_count = 1;   // conversion gain
+  double read_noise = 0;            // electrons rms per pixel and frame
+  double dark_current = 0;          // electrons per second per pixel
+  double multiplicative_noise = 0;  // relative standard deviation of one frame's mean signal
+  double monitor_noise = 0;         // relative standard deviation of one monitor reading
+};
+
+struct RigConfig {
+  std::string name;
+  std::string text;  // the file as it was read, frozen into the session
+  bool simulated = false;
+  std::array<AxisLimits, kAxes> axes;  // soft limits
+  GeometryConfig geometry;
+  MotionConfig motion;
+  ExposureConfig exposure;
+  RadiometryConfig radiometry;
+  double light_level = 1;  // 0 .. 1
+  int dense_brackets = 3;  // frames per pose a dense scan would take, for time estimates
+  CameraInfo camera;
+};
+
+// The opened devices. Destroying them stops the axes and switches the light off.
+struct Devices {
+  std::array<std::unique_ptr<Axis>, kAxes> axes;
+  std::unique_ptr<Camera> camera;
+  std::unique_ptr<Light> light;
+  std::unique_ptr<Monitor> monitor;
+};
+
+// Reads the rig part of a rig file; `root` is returned open so that the caller can read the
+// `simulation` or device part and then call RefuseUnknownKeys(). Throws ConfigError.
+RigConfig ReadRig(const ConfigNode& root, std::string text);
+
+}  // namespace gonio
