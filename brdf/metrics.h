@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: Apache-2.0
+// How far one reflectance is from another, over the cells of a MERL table.
+
+#pragma once
+
+#include "brdf/brdf.h"
+#include "brdf/merl_table.h"
+#include "core/units.h"
+
+namespace gonio {
+
+struct MetricOptions {
+  // Cells count only if theta_i and theta_o are both below this [rad], 0 < max_theta <= pi/2:
+  // beyond 80 deg tables are extrapolated.
+  double max_theta = RadFromDeg(80);
+  int phi_stride = 1;  // look at every n-th phi_d cell only, 1 .. 180; studies take 4
+  int threads = 1;     // >= 1. The result is the same to the last bit for any number
+
+  // Throws ConfigError naming the option.
+  void Check() const;
+};
+
+// f: reference, g: other, ti: theta_i, to: theta_o; means are over cells and channels. In the
+// logarithms a g < 0 counts as 0. All are NaN if nothing could be compared.
+struct ErrorMetrics {
+  // Mean absolute logarithmic error: mean |ln(1 + f cos ti) - ln(1 + g cos ti)|, the headline.
+  // Uniform in angle: a cell counts as much as its theta_h is wide.
+  double male = 0;
+  Rgb male_per_channel = Rgb::Zero();
+
+  // The others count every cell alike, as their authors do, which stresses the highlight.
+
+  // Root mean square of ln((f c + 1e-3) / (g c + 1e-3)), c = cos ti cos to: the log-relative
+  // mapping of Nielsen et al. (ICCV 2015). Their division by the median material is the same in f
+  // and g and cancels.
+  double log_relative_rms = 0;
+  double mse = 0;  // mean (f - g)^2, 1/sr^2 (Edahiro et al.)
+  double rms = 0;  // its root, 1/sr
+  // Root mean square of cbrt(f cos ti) - cbrt(g cos ti) (Fores et al., "Toward a perceptually based
+  // metric for BRDF modeling", CIC 2012).
+  double cube_root_rms = 0;
+  // Mean (ln(1 + f cos ti) - ln(1 + g cos ti))^2 (Low et al., "BRDF Models for Accurate and
+  // Efficient Rendering of Glossy Surfaces", ACM TOG 2012).
+  double log_mse = 0;
+
+  int compared = 0;  // cells that count
+  int missing = 0;  // cells where the reference has a value and `other` none: left out of all means
+};
+
+// Evaluates both at cell centres; at most 1.1 million times, so about 0.3 s plus what Eval takes.
+ErrorMetrics Compare(const Brdf& reference, const Brdf& other, const MetricOptions& options = {});
+ErrorMetrics Compare(const Brdf& reference, const BrdfFunction& other,
+                     const MetricOptions& options = {});
+
+// ErrorMetrics::male alone, for inner loops.
+double Male(const Brdf& reference, const BrdfFunction& other, const MetricOptions& options = {});
+
+}  // namespace gonio
