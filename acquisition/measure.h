@@ -7,16 +7,12 @@
 #include <stop_token>
 #include <vector>
 
+#include "acquisition/exposure.h"
 #include "acquisition/kinematics.h"
+#include "acquisition/motion.h"
 #include "acquisition/rig.h"
 
 namespace gonio {
-
-struct Exposure {
-  Frame frame;
-  double monitor = 1;         // the monitor's reading that belongs to this frame
-  bool saturated[kChannels];  // some pixel of the channel reached full scale
-};
 
 // Everything the devices said about one pose: what the event log keeps, before any reduction.
 struct PoseRecord {
@@ -39,7 +35,9 @@ class PoseMeasurer {
   Result<void> Prepare(std::stop_token stop);
 
   // `expected`: f_r to choose the first exposure with; without it the last pose's is used.
-  // kRefused: the pose is out of reach, or an axis missed its target after all retries.
+  // kRefused: skip the pose: it is out of reach, an axis missed its target after all retries, or
+  // every channel is saturated at the shortest exposure. Any other error ends the session: the
+  // axes have been stopped.
   Result<PoseRecord> Measure(const DirectionPair& pair, const std::optional<Rgb>& expected,
                              std::stop_token stop);
 
@@ -47,19 +45,20 @@ class PoseMeasurer {
   const ArmAngles& position() const { return position_; }
 
  private:
-  Result<void> MoveTo(const ArmAngles& target, PoseRecord& record, std::stop_token stop);
-  Result<void> ExposeUntilUsable(const DirectionPair& pair, const std::optional<Rgb>& expected,
-                                 PoseRecord& record, std::stop_token stop);
+  Result<PoseRecord> MeasureOrFail(const DirectionPair& pair, const std::optional<Rgb>& expected,
+                                   std::stop_token stop);
+  Result<void> MoveTo(const DirectionPair& pair, PoseRecord& record, std::stop_token stop);
+  Result<void> ExposeUntilUsable(const std::optional<Rgb>& expected, PoseRecord& record,
+                                 std::stop_token stop);
+  Result<double> ReadMonitor();
+  Result<Exposure> Expose(Seconds exposure, double monitor, std::stop_token stop);
 
   const RigConfig& rig_;
   Devices& devices_;
   Clock& clock_;
   Kinematics kinematics_;
   ArmAngles position_{};
-  Seconds last_exposure_{0};
+  std::optional<Seconds> last_exposure_;  // that suited the last pose
 };
-
-// Stops every axis; the first error is returned, but all are stopped.
-Result<void> StopAll(Devices& devices);
 
 }  // namespace gonio

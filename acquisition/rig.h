@@ -35,7 +35,7 @@ struct GeometryConfig {
 
 struct MotionConfig {
   Seconds settle{0};        // waited after the last axis has arrived
-  Seconds home_limit{120};  // time-out of homing
+  Seconds home_limit{120};  // time-out of homing one axis, for the driver
   int retries = 2;          // repeats of a move that ended outside its tolerance
 };
 
@@ -43,13 +43,16 @@ struct ExposureConfig {
   double target_fraction = 0.6;  // of full scale, aimed at for the brightest channel
   double min_fraction = 0.02;    // of full scale: a channel below this wants a longer exposure
   int max_frames = 6;            // per pose, metering included
+  // Longer exposures are taken only to lift a channel above min_fraction: on a dark sample the
+  // target would cost half a minute a pose, and averaging over the pixels makes up for it.
+  Seconds soft_limit{1};
 };
 
 // Turns counts into f_r: electrons = responsivity * f_r * cos(theta_i) * light * exposure.
 struct RadiometryConfig {
   Rgb responsivity = Rgb::Ones();   // electrons per pixel, per second, per (f_r cos theta_i = 1/sr)
   double electrons_per_count = 1;   // conversion gain
-  double read_noise = 0;            // electrons rms per pixel and frame
+  double read_noise = 0;            // electrons rms, per pixel and frame
   double dark_current = 0;          // electrons per second per pixel
   double multiplicative_noise = 0;  // relative standard deviation of one frame's mean signal
   double monitor_noise = 0;         // relative standard deviation of one monitor reading
@@ -77,8 +80,9 @@ struct Devices {
   std::unique_ptr<Monitor> monitor;
 };
 
-// Reads the rig part of a rig file; `root` is returned open so that the caller can read the
-// `simulation` or device part and then call RefuseUnknownKeys(). Throws ConfigError.
+// Reads the rig part of a rig file such as configs/sim-rig.yaml. Leaves `root` open: the caller
+// reads the `simulation` or device part and then calls root.RefuseUnknownKeys(). Throws
+// ConfigError.
 RigConfig ReadRig(const ConfigNode& root, std::string text);
 
 }  // namespace gonio

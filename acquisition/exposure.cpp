@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/exposure.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+
+namespace gonio {
+namespace {
+
+// A lift to min_fraction aims this much higher, so that noise does not ask for another frame.
+constexpr double kMargin = 1.5;
+// Below this many counts a mean says little about the rate; it bounds how far a frame can lengthen.
+constexpr double kFaintCounts = 1;
+
+// What all frames so far say about one channel.
+struct ChannelView {
+  bool seen = false;            // unsaturated in some frame; the next three hold that longest frame
+  double exposure = 0;          // s
+  double counts = 0;            // net mean
+  bool good = false;            // reached min_fraction in it
+  double shortest_clipped = 0;  // s, shortest frame that saturated it; 0 = none
+  double clipped_pixels = 0;    // fraction of the pixels in that frame
+
+  double rate() const { return std::max(counts, kFaintCounts) / exposure; }
+};
+
+ChannelView View(const std::vector<Exposure>& taken, const std::vector<FrameMeans>& means, int c,
+                 double enough_counts) {
+  ChannelView view;
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    const double exposure = taken[i].frame.exposure.count();
+    if (taken[i].saturated[c]) {
+      if (view.shortest_clipped == 0 || exposure < view.shortest_clipped) {
+        view.shortest_clipped = exposure;
+        view.clipped_pixels = means[i].saturated_fraction[c];
+      }
+    } else if (!view.seen || exposure > view.exposure) {
+      view.seen = true;
+      view.exposure = exposure;
+      view.counts = means[i].counts[c];
+      view.good = view.counts >= enough_counts;
+    }
+  }
+  return view;
+}
+
+double Clamp(double exposure, const CameraInfo& camera) {
+  return std::clamp(exposure, camera.min_exposure.count(), camera.max_exposure.count());
+}
+
+// Aims a channel of `rate` counts per second at the target, or past the soft limit only at
+// min_fraction.
+double Aim(double rate, const RigConfig& rig) {
+  const double full = rig.camera.full_scale;
+  const double soft = rig.exposure.soft_limit.count();
+  const double target = rig.exposure.target_fraction * full / rate;
+  if (target <= soft) return target;
+  return std::max(soft, kMargin * rig.exposure.min_fraction * full / rate);
+}
+
+std::optional<double> Shorter(const std::array<ChannelView, kChannels>& views,
+                              const CameraInfo& camera) {
+  const bool any_seen =
+      std::any_of(views.begin(), views.end(), [](const ChannelView& v) { return v.seen; });
+  std::optional<double> next;
+  for (const ChannelView& view : views) {
+    if (view.seen || view.shortest_clipped <= 1.05 * camera.min_exposure.count()) {
+      continue;  // already the shortest, give or take the camera's own step
+    }
+    const double divisor = view.clipped_pixels < 0.5 ? 2 : any_seen ? 4 : 16;
+    const double wanted = Clamp(view.shortest_clipped / divisor, camera);
+    next = next ? std::min(*next, wanted) : wanted;
+  }
+  return next;
+}
+
+// The exposure that would make this channel good, if there is one that differs from those taken.
+std::optional<double> Longer(const ChannelView& view, bool brightest, const RigConfig& rig) {
+  const double lift = kMargin * rig.exposure.min_fraction * rig.camera.full_scale / view.rate();
+  double wanted = Clamp(brightest ? Aim(view.rate(), rig) : lift, rig.camera);
+  // Between a frame that was too dark and one that was too bright, halve the ratio.
+  if (view.shortest_clipped > 0 && wanted >= view.shortest_clipped) {
+    wanted = std::sqrt(view.exposure * view.shortest_clipped);
+  }
+  // Nothing that a repetition would not give.
+  if (wanted <= view.exposure * 1.05) return std::nullopt;
+  return wanted;
+}
+
+}  // namespace
+
+FrameMeans MeansOf(const Frame& frame, int full_scale) {
+  FrameMeans means;
+  for (std::size_t i = 0; i < frame.counts.size(); ++i) {
+    const int channel = static_cast<int>(i) % kChannels;
+    means.counts[channel] += frame.counts[i];
+    if (frame.counts[i] >= full_scale) means.saturated_fraction[channel] += 1;
+  }
+  const double pixels = static_cast<double>(frame.counts.size()) / kChannels;
+  means.counts = means.counts / pixels - frame.black_level;
+  means.saturated_fraction /= pixels;
+  return means;
+}
+
+Seconds FirstExposure(const Rgb& rates, const RigConfig& rig) {
+  const double soft = rig.exposure.soft_limit.count();
+  const double brightest = rates.maxCoeff();
+  const bool known = rates.allFinite() && brightest > 0;
+  // A prediction may be wrong, so the first frame never costs more than the soft limit.
+  const double wanted = known ? std::min(soft, Aim(brightest, rig)) : soft;
+  return Seconds(Clamp(wanted, rig.camera));
+}
+
+std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken, const RigConfig& rig) {
+  GONIO_CHECK(!taken.empty(), "nothing was exposed");
+  std::vector<FrameMeans> means;
+  for (const Exposure& e : taken) means.push_back(MeansOf(e.frame, rig.camera.full_scale));
+  const double enough = rig.exposure.min_fraction * rig.camera.full_scale;
+  std::array<ChannelView, kChannels> views;
+  for (int c = 0; c < kChannels; ++c) views[c] = View(taken, means, c, enough);
+
+  if (const auto shorter = Shorter(views, rig.camera)) return Seconds(*shorter);
+
+  std::array<const ChannelView*, kChannels> order;
+  for (int c = 0; c < kChannels; ++c) order[c] = &views[c];
+  std::sort(order.begin(), order.end(), [](const ChannelView* a, const ChannelView* b) {
+    return a->seen && (!b->seen || a->rate() > b->rate());
+  });
+  for (const ChannelView* view : order) {
+    if (!view->seen || view->good) continue;
+    if (const auto longer = Longer(*view, view == order[0], rig)) return Seconds(*longer);
+  }
+  return std::nullopt;
+}
+
+}  // namespace gonio

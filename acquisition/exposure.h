@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: Apache-2.0
+// How long to expose: few frames, none of them wasted.
+
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "acquisition/rig.h"
+
+namespace gonio {
+
+// One frame of a pose with what is needed to reduce it.
+struct Exposure {
+  Frame frame;
+  double monitor = 1;                       // the monitor's reading that belongs to this frame
+  std::array<bool, kChannels> saturated{};  // some pixel of the channel reached full scale
+};
+
+// Means over the pixels of a frame, per channel.
+struct FrameMeans {
+  Rgb counts = Rgb::Zero();              // above the black level; negative at low light
+  Rgb saturated_fraction = Rgb::Zero();  // of the pixels, at full scale: 0 .. 1
+};
+FrameMeans MeansOf(const Frame& frame, int full_scale);
+
+// The exposure that brings the brightest channel to the target fraction of full scale, inside the
+// camera's range and the soft limit. `rates`: counts per second and pixel that are expected; zero
+// or not finite gives the soft limit.
+Seconds FirstExposure(const Rgb& rates, const RigConfig& rig);
+
+// The exposure to take after `taken` (not empty), or empty when every channel is either good
+// (unsaturated and above min_fraction in some frame) or cannot be made so. In this order:
+//
+//   1. A channel saturated in every frame: shorter, by 2 if only some pixels were, by 4 if another
+//      channel was not, by 16 otherwise.
+//   2. The brightest channel that is not good yet: longer, to its target.
+//
+// Every frame stays in the record: a channel is masked only in the frames that saturate it.
+std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken, const RigConfig& rig);
+
+}  // namespace gonio

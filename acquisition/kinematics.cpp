@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/kinematics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+// Limits are kept to this much rounding [rad]; far below any encoder's step.
+constexpr double kRounding = 1e-9;
+// Closer to the normal than this [rad] an azimuth means nothing.
+constexpr double kZenith = 1e-7;
+
+double PolarAngle(const Eigen::Vector3d& direction) {
+  return std::atan2(std::hypot(direction.x(), direction.y()), direction.z());
+}
+
+// `position` put inside the limits if only rounding took it out, else nullopt.
+std::optional<double> WithinLimits(double position, const AxisLimits& limits) {
+  if (position < limits.min_position - kRounding || position > limits.max_position + kRounding) {
+    return std::nullopt;
+  }
+  return std::clamp(position, limits.min_position, limits.max_position);
+}
+
+double MoveTime(double distance, const AxisLimits& limits) {
+  return TrapezoidTime(std::abs(distance), limits.max_speed, limits.acceleration).count();
+}
+
+// Where between `a_home` and `b_home` two axes that must stay a fixed angle apart arrive at the
+// same time: each wants to stay at its own home, and moving towards the other's is the compromise.
+double Balance(double a_home, const AxisLimits& a, double b_home, const AxisLimits& b) {
+  double near = 0;  // as a fraction of the way from a_home to b_home
+  double far = 1;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = (near + far) / 2;
+    const double way = b_home - a_home;
+    (MoveTime(middle * way, a) < MoveTime((1 - middle) * way, b) ? near : far) = middle;
+  }
+  return a_home + near * (b_home - a_home);
+}
+
+// The azimuths that keep camera - light = `difference` inside the limits: the light's come from
+// an interval, and the best of it is one of three, as travel time is unimodal along it.
+template <typename Visit>
+void VisitAzimuths(double difference, const AxisLimits& light, const AxisLimits& camera,
+                   const ArmAngles& from, Visit&& visit) {
+  double low = std::max(light.min_position, camera.min_position - difference);
+  double high = std::min(light.max_position, camera.max_position - difference);
+  if (low > high + kRounding) return;
+  if (low > high) low = high = (low + high) / 2;
+  const double light_still = from[kLightAzimuth];
+  const double camera_still = from[kCameraAzimuth] - difference;
+  // Fewer moving axes first: a later candidate must be faster to win.
+  for (const double wanted :
+       {light_still, camera_still, Balance(light_still, light, camera_still, camera)}) {
+    const double azimuth = std::clamp(wanted, low, high);
+    visit(std::clamp(azimuth, light.min_position, light.max_position),
+          std::clamp(azimuth + difference, camera.min_position, camera.max_position));
+  }
+}
+
+}  // namespace
+
+Seconds TrapezoidTime(double distance, double max_speed, double acceleration) {
+  if (distance <= 0) return Seconds(0);
+  if (distance < max_speed * max_speed / acceleration) {
+    return Seconds(2 * std::sqrt(distance / acceleration));
+  }
+  return Seconds(distance / max_speed + max_speed / acceleration);
+}
+
+Kinematics::Kinematics(const RigConfig& rig) : limits_(rig.axes), geometry_(rig.geometry) {}
+
+DirectionPair Kinematics::Forward(const ArmAngles& angles) const {
+  return {FromSpherical(kPi / 2 - angles[kLightElevation], angles[kLightAzimuth]),
+          FromSpherical(kPi / 2 - angles[kCameraElevation], angles[kCameraAzimuth])};
+}
+
+bool Kinematics::Allowed(const DirectionPair& pair) const {
+  return pair.above_horizon() && PolarAngle(pair.wi) <= geometry_.max_polar + kRounding &&
+         PolarAngle(pair.wo) <= geometry_.max_polar + kRounding &&
+         AngleBetween(pair.wi, pair.wo) >= geometry_.min_separation - kRounding;
+}
+
+std::optional<ArmAngles> Kinematics::Inverse(const DirectionPair& pair,
+                                             const ArmAngles& from) const {
+  if (!Allowed(pair)) return std::nullopt;
+  const double theta_i = PolarAngle(pair.wi);
+  const double theta_o = PolarAngle(pair.wo);
+  const auto light = WithinLimits(kPi / 2 - theta_i, limits_[kLightElevation]);
+  const auto camera = WithinLimits(kPi / 2 - theta_o, limits_[kCameraElevation]);
+  if (!light || !camera) return std::nullopt;
+
+  std::optional<ArmAngles> best;
+  Seconds best_time{0};
+  const auto visit = [&](double light_azimuth, double camera_azimuth) {
+    const ArmAngles angles = {light_azimuth, *light, camera_azimuth, *camera};
+    const Seconds time = TravelTime(from, angles);
+    if (best && time >= best_time - Seconds(1e-9)) return;
+    best = angles;
+    best_time = time;
+  };
+  const AxisLimits& light_limits = limits_[kLightAzimuth];
+  const AxisLimits& camera_limits = limits_[kCameraAzimuth];
+  if (std::min(theta_i, theta_o) < kZenith) {
+    visit(std::clamp(from[kLightAzimuth], light_limits.min_position, light_limits.max_position),
+          std::clamp(from[kCameraAzimuth], camera_limits.min_position, camera_limits.max_position));
+    return best;
+  }
+  const double difference = std::atan2(pair.wo.y(), pair.wo.x()) -  //
+                            std::atan2(pair.wi.y(), pair.wi.x());
+  for (const double mirrored : {difference, -difference}) {
+    for (int turns = -3; turns <= 3; ++turns) {  // azimuths may span -360 .. 360 deg
+      VisitAzimuths(mirrored + 2 * kPi * turns, light_limits, camera_limits, from, visit);
+    }
+  }
+  return best;
+}
+
+bool Kinematics::Reachable(const DirectionPair& pair) const {
+  return Inverse(pair, ArmAngles{}).has_value();
+}
+
+Seconds Kinematics::TravelTime(const ArmAngles& from, const ArmAngles& to) const {
+  Seconds longest{0};
+  for (int i = 0; i < kAxes; ++i) {
+    longest = std::max(longest, TrapezoidTime(std::abs(to[i] - from[i]), limits_[i].max_speed,
+                                              limits_[i].acceleration));
+  }
+  return longest;
+}
+
+}  // namespace gonio

@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+// A monitor below this fraction of the level that was set means that the light is out.
+constexpr double kLightIsOut = 0.1;
+// A mid-grey diffuse sample [1/sr]: what to expect of the first pose if nobody knows.
+constexpr double kUnknownReflectance = 0.1;
+
+bool WholeFrame(const Frame& frame, const CameraInfo& info) {
+  return frame.width == info.width && frame.height == info.height &&
+         frame.channels == info.channels && frame.exposure > Seconds::zero() &&
+         frame.counts.size() == static_cast<std::size_t>(info.width) * info.height * info.channels;
+}
+
+// The longest exposure that saturated nothing: a good start for a similar pose.
+std::optional<Seconds> Suited(const std::vector<Exposure>& exposures) {
+  std::optional<Seconds> suited;
+  for (const Exposure& e : exposures) {
+    const bool clipped = std::find(e.saturated.begin(), e.saturated.end(), true) !=  //
+                         e.saturated.end();
+    if (!clipped && (!suited || e.frame.exposure > *suited)) suited = e.frame.exposure;
+  }
+  return suited;
+}
+
+bool AllSaturated(const std::vector<Exposure>& exposures) {
+  return std::all_of(exposures.begin(), exposures.end(), [](const Exposure& e) {
+    return std::find(e.saturated.begin(), e.saturated.end(), false) == e.saturated.end();
+  });
+}
+
+}  // namespace
+
+PoseMeasurer::PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock)
+    : rig_(rig), devices_(devices), clock_(clock), kinematics_(rig) {}
+
+Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
+  if (auto homed = HomeAll(devices_, stop); !homed) return homed;
+  if (auto lit = devices_.light->SetLevel(rig_.light_level); !lit) return lit;
+  const auto position = ReadPositions(devices_);
+  if (!position) return position.error();
+  position_ = *position;
+  last_exposure_.reset();
+  return {};
+}
+
+Result<PoseRecord> PoseMeasurer::Measure(const DirectionPair& pair,
+                                         const std::optional<Rgb>& expected, std::stop_token stop) {
+  auto record = MeasureOrFail(pair, expected, stop);
+  // The first error is the one to report; stopping may fail for the same reason.
+  if (!record && record.error().code != ErrorCode::kRefused) (void)StopAll(devices_);
+  return record;
+}
+
+Result<PoseRecord> PoseMeasurer::MeasureOrFail(const DirectionPair& pair,
+                                               const std::optional<Rgb>& expected,
+                                               std::stop_token stop) {
+  PoseRecord record;
+  record.start = clock_.Now();
+  if (auto moved = MoveTo(pair, record, stop); !moved) return moved.error();
+  if (auto exposed = ExposeUntilUsable(expected, record, stop); !exposed) return exposed.error();
+  record.end = clock_.Now();
+  return record;
+}
+
+Result<void> PoseMeasurer::MoveTo(const DirectionPair& pair, PoseRecord& record,
+                                  std::stop_token stop) {
+  const auto before = ReadPositions(devices_);
+  if (!before) return before.error();
+  position_ = *before;
+  const auto target = kinematics_.Inverse(pair, position_);
+  if (!target) {
+    const HalfDiff angles = ToHalfDiff(pair);
+    return Error{ErrorCode::kRefused,
+                 fmt::format("pose theta_h {:.2f}, theta_d {:.2f}, phi_d {:.2f} deg: out of reach",
+                             DegFromRad(angles.theta_h), DegFromRad(angles.theta_d),
+                             DegFromRad(angles.phi_d))};
+  }
+  record.commanded = *target;
+  const auto arrival = MoveAll(rig_, devices_, clock_, *target, stop);
+  if (!arrival) return arrival.error();
+  position_ = record.readback = arrival->readback;
+  record.move_retries = arrival->retries;
+  record.move_time = arrival->still - record.start;
+  return {};
+}
+
+Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected, PoseRecord& record,
+                                             std::stop_token stop) {
+  auto monitor = ReadMonitor();
+  if (!monitor) return monitor.error();
+  const RadiometryConfig& r = rig_.radiometry;
+  const double cos_theta_i = kinematics_.Forward(record.readback).cos_theta_i();
+  const Rgb f_r = expected.value_or(Rgb::Constant(kUnknownReflectance));
+  std::optional<Seconds> next =
+      FirstExposure(r.responsivity * f_r * (cos_theta_i * *monitor / r.electrons_per_count), rig_);
+  if (!expected && last_exposure_) next = std::min(*last_exposure_, rig_.exposure.soft_limit);
+
+  while (next && std::ssize(record.exposures) < rig_.exposure.max_frames) {
+    if (!record.exposures.empty()) monitor = ReadMonitor();
+    if (!monitor) return monitor.error();
+    auto exposure = Expose(*next, *monitor, stop);
+    if (!exposure) return exposure.error();
+    record.exposures.push_back(std::move(exposure).value());
+    next = NextExposure(record.exposures, rig_);
+  }
+  if (AllSaturated(record.exposures)) {
+    last_exposure_ = rig_.camera.min_exposure;
+    return Error{ErrorCode::kRefused,
+                 next ? fmt::format("saturated in all {} frames", record.exposures.size())
+                      : "saturated at the shortest exposure"};
+  }
+  if (const auto suited = Suited(record.exposures)) last_exposure_ = suited;
+  return {};
+}
+
+Result<double> PoseMeasurer::ReadMonitor() {
+  const auto reading = devices_.monitor->Read();
+  if (!reading) return reading;
+  // Also true of NaN.
+  if (!(*reading >= kLightIsOut * rig_.light_level) || !std::isfinite(*reading)) {
+    return Error{ErrorCode::kProtocol,
+                 fmt::format("{}: reads {:.4g} with the light at {:.4g}: the light is out",
+                             devices_.monitor->name(), *reading, rig_.light_level)};
+  }
+  return reading;
+}
+
+Result<Exposure> PoseMeasurer::Expose(Seconds exposure, double monitor, std::stop_token stop) {
+  auto frame = devices_.camera->Capture(exposure, stop);
+  if (!frame) return frame.error();
+  if (!WholeFrame(*frame, rig_.camera)) {
+    return Error{
+        ErrorCode::kProtocol,
+        fmt::format("{}: sent {} counts for a frame of {} x {} x {}, expected {} x {} x {}",
+                    devices_.camera->name(), frame->counts.size(), frame->width, frame->height,
+                    frame->channels, rig_.camera.width, rig_.camera.height, rig_.camera.channels)};
+  }
+  Exposure taken;
+  taken.frame = std::move(frame).value();
+  taken.monitor = monitor;
+  const FrameMeans means = MeansOf(taken.frame, rig_.camera.full_scale);
+  for (int c = 0; c < kChannels; ++c) taken.saturated[c] = means.saturated_fraction[c] > 0;
+  return taken;
+}
+
+}  // namespace gonio

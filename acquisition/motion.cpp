@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/motion.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "acquisition/kinematics.h"
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+// How long a move may take: half as long again as it should, and two seconds for the controller.
+Seconds TimeLimit(const AxisLimits& limits, double distance) {
+  return 1.5 * TrapezoidTime(std::abs(distance), limits.max_speed, limits.acceleration) +
+         Seconds(2);
+}
+
+// Starts `axes` together and waits for each. An axis that ran out of time counts as arrived: the
+// read-back will tell.
+Result<void> MoveOnce(const RigConfig& rig, Devices& devices, const std::vector<int>& axes,
+                      const ArmAngles& from, const ArmAngles& target, std::stop_token stop) {
+  for (const int i : axes) {
+    if (auto started = devices.axes[i]->StartMove(target[i]); !started) return started.error();
+  }
+  for (const int i : axes) {
+    const Seconds limit = TimeLimit(rig.axes[i], target[i] - from[i]);
+    const auto still = devices.axes[i]->WaitUntilStill(limit, stop);
+    if (!still && still.error().code != ErrorCode::kTimeout) return still.error();
+  }
+  return {};
+}
+
+Result<Arrival> MoveWithRetries(const RigConfig& rig, Devices& devices, Clock& clock,
+                                const ArmAngles& target, std::stop_token stop) {
+  std::vector<int> missed = {kLightAzimuth, kLightElevation, kCameraAzimuth, kCameraElevation};
+  Arrival arrival;
+  auto position = ReadPositions(devices);
+  for (int attempt = 0;; ++attempt) {
+    if (!position) return position.error();
+    if (auto moved = MoveOnce(rig, devices, missed, *position, target, stop); !moved) {
+      return moved.error();
+    }
+    arrival.still = clock.Now();
+    arrival.retries = attempt;
+    clock.SleepFor(rig.motion.settle, stop);
+    if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "settling: cancelled"};
+    position = ReadPositions(devices);
+    if (!position) return position.error();
+    arrival.readback = *position;
+    std::erase_if(missed, [&](int i) {
+      return std::abs((*position)[i] - target[i]) <= rig.axes[i].position_tolerance;
+    });
+    if (missed.empty()) return arrival;
+    if (attempt == rig.motion.retries) break;
+  }
+  const int i = missed.front();
+  return Error{
+      ErrorCode::kRefused,
+      fmt::format("{}: stands at {:.4f} deg after {} moves to {:.4f} deg, tolerance {} deg",
+                  kAxisNames[i], DegFromRad((*position)[i]), rig.motion.retries + 1,
+                  DegFromRad(target[i]), DegFromRad(rig.axes[i].position_tolerance))};
+}
+
+}  // namespace
+
+Result<ArmAngles> ReadPositions(Devices& devices) {
+  ArmAngles position{};
+  for (int i = 0; i < kAxes; ++i) {
+    const auto state = devices.axes[i]->State();
+    if (!state) return state.error();
+    if (!state->homed) {
+      return Error{ErrorCode::kProtocol,
+                   fmt::format("{}: has lost its reference, home it again", kAxisNames[i])};
+    }
+    position[i] = state->position;
+  }
+  return position;
+}
+
+Result<void> HomeAll(Devices& devices, std::stop_token stop) {
+  for (auto& axis : devices.axes) {
+    if (auto homed = axis->Home(stop); !homed) {
+      (void)StopAll(devices);
+      return homed;
+    }
+  }
+  return {};
+}
+
+Result<Arrival> MoveAll(const RigConfig& rig, Devices& devices, Clock& clock,
+                        const ArmAngles& target, std::stop_token stop) {
+  auto arrival = MoveWithRetries(rig, devices, clock, target, stop);
+  // The first error is the one to report; stopping may fail for the same reason.
+  if (!arrival) (void)StopAll(devices);
+  return arrival;
+}
+
+Result<void> StopAll(Devices& devices) {
+  Result<void> first;
+  for (auto& axis : devices.axes) {
+    auto stopped = axis->Stop();
+    if (first.ok() && !stopped.ok()) first = std::move(stopped);
+  }
+  return first;
+}
+
+}  // namespace gonio

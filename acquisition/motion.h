@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+// Moving all axes together. The only place where a move is repeated.
+
+#pragma once
+
+#include <stop_token>
+
+#include "acquisition/rig.h"
+
+namespace gonio {
+
+struct Arrival {
+  ArmAngles readback{};  // encoders, after settling
+  int retries = 0;       // moves repeated because an axis had missed its target
+  Seconds still{0};      // session clock when the last axis came to rest, before settling
+};
+
+// Asks every encoder. kProtocol: an axis is not homed, so that its position means nothing.
+Result<ArmAngles> ReadPositions(Devices& devices);
+
+// Homes one axis after the other. Blocks for minutes.
+Result<void> HomeAll(Devices& devices, std::stop_token stop);
+
+// Starts all axes, waits until they are still, lets them settle and reads them back. An axis
+// outside its tolerance is sent again, rig.motion.retries times.
+//
+// kRefused: an axis missed its target every time; the message names it. On any error every axis
+// has been stopped.
+Result<Arrival> MoveAll(const RigConfig& rig, Devices& devices, Clock& clock,
+                        const ArmAngles& target, std::stop_token stop);
+
+// Stops every axis; the first error is returned, but all are stopped.
+Result<void> StopAll(Devices& devices);
+
+}  // namespace gonio

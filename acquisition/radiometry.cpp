@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/radiometry.h"
+
+#include <cmath>
+#include <limits>
+
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+// One channel of one frame, as far as it can be known without its noise.
+struct Reading {
+  double electrons = 0;  // mean per pixel, signal only: black level and dark subtracted
+  double gain = 0;       // electrons per f_r: responsivity * light * exposure * cos(theta_i)
+  double dark = 0;       // electrons per pixel that the dark current added
+  double pixels = 0;
+};
+
+double Square(double x) { return x * x; }
+
+// Variance of Reading::electrons if the sample's reflectance were `f_r`. The expected signal is
+// used, not the frame's own: a frame that by chance came out low would claim a small variance and
+// pull the average down.
+double Variance(const Reading& reading, double f_r, const RadiometryConfig& r) {
+  const double signal = std::max(f_r, 0.0) * reading.gain;
+  const double pixel = signal + reading.dark + Square(r.read_noise);
+  // Rounding errors of the pixels are independent only if noise spreads the pixels over several
+  // counts; the second term is what they share, which a Gaussian dither of variance v counts^2
+  // takes down by exp(-4 pi^2 v) (Widrow & Kollar, "Quantization Noise", 2008).
+  const double count = r.electrons_per_count;
+  const double shared = std::exp(-Square(2 * kPi / count) * pixel);
+  const double rounding = Square(count) / 12 * (1 / reading.pixels + shared);
+  const double relative = Square(r.multiplicative_noise) + Square(r.monitor_noise);
+  return pixel / reading.pixels + rounding + relative * Square(signal);
+}
+
+// The readings of one channel that are not saturated.
+std::vector<Reading> Readings(const PoseRecord& pose, int c, double cos_theta_i,
+                              const RigConfig& rig) {
+  std::vector<Reading> readings;
+  for (const Exposure& e : pose.exposures) {
+    if (e.saturated[c]) continue;
+    const double exposure = e.frame.exposure.count();
+    Reading reading;
+    reading.dark = rig.radiometry.dark_current * exposure;
+    reading.electrons =
+        MeansOf(e.frame, rig.camera.full_scale).counts[c] * rig.radiometry.electrons_per_count -
+        reading.dark;
+    reading.gain = rig.radiometry.responsivity[c] * e.monitor * exposure * cos_theta_i;
+    reading.pixels = static_cast<double>(e.frame.width) * e.frame.height;
+    readings.push_back(reading);
+  }
+  return readings;
+}
+
+void ReduceChannel(const std::vector<Reading>& readings, const RadiometryConfig& r, double* f_r,
+                   double* sigma) {
+  *f_r = 0;
+  *sigma = std::numeric_limits<double>::infinity();
+  if (readings.empty()) return;
+  double electrons = 0;
+  double gain = 0;
+  for (const Reading& reading : readings) {
+    electrons += reading.electrons;
+    gain += reading.gain;
+  }
+  const double expected = electrons / gain;
+  double weights = 0;
+  double weighted = 0;
+  for (const Reading& reading : readings) {
+    const double weight = Square(reading.gain) / Variance(reading, expected, r);
+    weights += weight;
+    weighted += weight * reading.electrons / reading.gain;
+  }
+  *f_r = weighted / weights;
+  *sigma = 1 / std::sqrt(weights);
+}
+
+}  // namespace
+
+BrdfSample Reduce(const PoseRecord& pose, const RigConfig& rig) {
+  BrdfSample sample;
+  sample.directions = Kinematics(rig).Forward(pose.readback);
+  const double cos_theta_i = sample.directions.cos_theta_i();
+  for (int c = 0; c < kChannels; ++c) {
+    std::vector<Reading> readings;
+    if (cos_theta_i > 0) readings = Readings(pose, c, cos_theta_i, rig);
+    ReduceChannel(readings, rig.radiometry, &sample.f_r[c], &sample.sigma[c]);
+  }
+  return sample;
+}
+
+}  // namespace gonio

@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/rig.h"
+
+#include <fmt/format.h>
+
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+// min_deg and max_deg, which must be in order.
+void ReadSpan(const ConfigNode& node, Range allowed, AxisLimits& limits) {
+  const double min = node.Number("min_deg", allowed);
+  const double max = node.Number("max_deg", allowed);
+  if (max <= min) node.Fail("max_deg", fmt::format("is {}, must be > min_deg = {}", max, min));
+  limits.min_position = RadFromDeg(min);
+  limits.max_position = RadFromDeg(max);
+}
+
+AxisLimits ReadAxis(const ConfigNode& node, Range allowed) {
+  AxisLimits limits;
+  ReadSpan(node, allowed, limits);
+  limits.max_speed = RadFromDeg(node.Number("max_speed_deg_s", Range::Positive()));
+  limits.acceleration = RadFromDeg(node.Number("acceleration_deg_s2", Range::Positive()));
+  limits.position_tolerance = RadFromDeg(node.Number("tolerance_deg", Range::Positive()));
+  return limits;
+}
+
+GeometryConfig ReadGeometry(const ConfigNode& node) {
+  node.Choice("kind", {"four-axis"});
+  GeometryConfig geometry;
+  geometry.min_separation = RadFromDeg(node.Number("min_separation_deg", Range::Between(0, 90)));
+  geometry.max_polar = RadFromDeg(node.Number("max_polar_deg", Range::Between(1, 89.9)));
+  return geometry;
+}
+
+MotionConfig ReadMotion(const ConfigNode& node) {
+  MotionConfig motion;
+  motion.settle = Seconds(node.Number("settle_s", Range::NonNegative()));
+  motion.home_limit =
+      Seconds(node.NumberOr("home_limit_s", motion.home_limit.count(), Range::Positive()));
+  motion.retries = node.IntegerOr("retries", motion.retries, 0, 10);
+  return motion;
+}
+
+CameraInfo ReadCamera(const ConfigNode& node) {
+  CameraInfo camera;
+  camera.width = node.Integer("width_px", 1, 16384);
+  camera.height = node.Integer("height_px", 1, 16384);
+  camera.channels = kChannels;
+  camera.full_scale = node.Integer("full_scale_counts", 255, 65535);
+  const double min = node.Number("min_exposure_s", Range::Positive());
+  const double max = node.Number("max_exposure_s", Range::Positive());
+  if (max <= min) {
+    node.Fail("max_exposure_s", fmt::format("is {}, must be > min_exposure_s = {}", max, min));
+  }
+  camera.min_exposure = Seconds(min);
+  camera.max_exposure = Seconds(max);
+  camera.readout = Seconds(node.Number("readout_s", Range::NonNegative()));
+  return camera;
+}
+
+ExposureConfig ReadExposure(const ConfigNode& node) {
+  ExposureConfig exposure;
+  exposure.target_fraction =
+      node.NumberOr("target_fraction", exposure.target_fraction, Range::Between(0.05, 0.95));
+  exposure.min_fraction =
+      node.NumberOr("min_fraction", exposure.min_fraction, Range::NonNegative());
+  if (exposure.min_fraction > exposure.target_fraction / 2) {
+    node.Fail("min_fraction", fmt::format("is {}, must be <= half of target_fraction = {}",
+                                          exposure.min_fraction, exposure.target_fraction));
+  }
+  exposure.max_frames = node.IntegerOr("max_frames", exposure.max_frames, 1, 100);
+  exposure.soft_limit =
+      Seconds(node.NumberOr("soft_limit_s", exposure.soft_limit.count(), Range::Positive()));
+  return exposure;
+}
+
+RadiometryConfig ReadRadiometry(const ConfigNode& node) {
+  RadiometryConfig radiometry;
+  radiometry.responsivity =
+      Eigen::Map<const Rgb>(node.Numbers("responsivity", kChannels, Range::Positive()).data());
+  radiometry.electrons_per_count = node.Number("electrons_per_count", Range::Positive());
+  radiometry.read_noise = node.Number("read_noise_e", Range::NonNegative());
+  radiometry.dark_current = node.Number("dark_current_e_s", Range::NonNegative());
+  radiometry.multiplicative_noise = node.Number("multiplicative_noise", Range::Between(0, 1));
+  radiometry.monitor_noise = node.Number("monitor_noise", Range::Between(0, 1));
+  return radiometry;
+}
+
+}  // namespace
+
+RigConfig ReadRig(const ConfigNode& root, std::string text) {
+  RigConfig rig;
+  root.Integer("version", 1, 1);
+  rig.name = root.Text("name");
+  rig.text = std::move(text);
+  rig.simulated = root.Choice("kind", {"simulated"}) == "simulated";
+  rig.geometry = ReadGeometry(root.Map("geometry"));
+  const ConfigNode axes = root.Map("axes");
+  for (int i = 0; i < kAxes; ++i) {
+    const bool azimuth = i == kLightAzimuth || i == kCameraAzimuth;
+    rig.axes[i] = ReadAxis(axes.Map(kAxisNames[i]),
+                           azimuth ? Range::Between(-360, 360) : Range::Between(0, 90));
+  }
+  rig.motion = ReadMotion(root.Map("motion"));
+  // The least is not zero: without light there is nothing to divide by.
+  rig.light_level = root.Map("light").Number("level", Range::Between(0.001, 1));
+  rig.camera = ReadCamera(root.Map("camera"));
+  rig.exposure = ReadExposure(root.Map("exposure"));
+  rig.radiometry = ReadRadiometry(root.Map("radiometry"));
+  rig.dense_brackets = root.Map("time").IntegerOr("dense_brackets", rig.dense_brackets, 1, 100);
+  return rig;
+}
+
+}  // namespace gonio

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: Apache-2.0
+// A camera that looks at a Brdf.
+
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "brdf/brdf.h"
+#include "drivers/camera.h"
+#include "sim/random.h"
+#include "sim/sim_config.h"
+#include "sim/sim_light.h"
+#include "sim/sim_motor.h"
+
+namespace gonio {
+
+// Motors of light azimuth, light elevation, camera azimuth, camera elevation.
+using SimMotors = std::array<std::shared_ptr<SimMotor>, 4>;
+
+// Exposes where the arms truly are, not where an encoder puts them:
+//
+//   electrons = Poisson(responsivity f_r cos(theta_i) power t (1 + m) + dark t) + read noise
+//   counts    = round(electrons / electrons_per_count + black level), clipped to 0 .. full scale
+//
+// per pixel, with one draw of the multiplicative noise m per frame and channel. Where the sample
+// is not defined it is black. Arms that move while the shutter is open smear the frame: the signal
+// is averaged over their way.
+class SimCamera final : public Camera {
+ public:
+  // `sample` and `clock` must outlive it.
+  SimCamera(std::string name, const CameraInfo& info, const SimConfig& truth, const Brdf& sample,
+            SimMotors motors, std::shared_ptr<const SimLamp> lamp, Clock& clock, Random random);
+
+  const std::string& name() const override { return name_; }
+  const CameraInfo& info() const override { return info_; }
+  Result<Frame> Capture(Seconds exposure, std::stop_token stop) override;
+
+ private:
+  // Electrons per pixel without noise, dark current included nowhere.
+  Rgb Signal(Seconds start, Seconds exposure) const;
+  // f_r cos(theta_i) power at one instant.
+  Rgb Radiance(Seconds time) const;
+  Frame Expose(const Rgb& signal, Seconds exposure);
+  std::uint16_t Count(double signal, double dark);
+
+  const std::string name_;
+  const CameraInfo info_;
+  const SimConfig truth_;
+  const Brdf& sample_;
+  const SimMotors motors_;
+  const std::shared_ptr<const SimLamp> lamp_;
+  Clock& clock_;
+  Random random_;
+};
+
+}  // namespace gonio

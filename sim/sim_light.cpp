@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/sim_light.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/units.h"
+
+namespace gonio {
+
+double SimLamp::PowerAt(Seconds time) const {
+  constexpr double kPeriod = 8;  // hours
+  const double hours = time.count() / 3600;
+  const double amplitude = drift_per_hour_ * kPeriod / (2 * kPi);
+  return level_ * (1 + amplitude * std::sin(2 * kPi * hours / kPeriod));
+}
+
+SimLight::SimLight(std::string name, std::shared_ptr<SimLamp> lamp)
+    : name_(std::move(name)), lamp_(std::move(lamp)) {}
+
+SimLight::~SimLight() { lamp_->set_level(0); }
+
+Result<void> SimLight::SetLevel(double level) {
+  // Also true of NaN.
+  if (!(level >= 0 && level <= 1)) {
+    return Error{ErrorCode::kRefused,
+                 fmt::format("{}: set level: {} is outside 0 .. 1", name_, level)};
+  }
+  lamp_->set_level(level);
+  return {};
+}
+
+Result<double> SimLight::Level() { return lamp_->level(); }
+
+SimMonitor::SimMonitor(std::string name, std::shared_ptr<const SimLamp> lamp, double noise,
+                       const Clock& clock, Random random)
+    : name_(std::move(name)),
+      lamp_(std::move(lamp)),
+      noise_(noise),
+      clock_(clock),
+      random_(random) {}
+
+Result<double> SimMonitor::Read() {
+  return lamp_->PowerAt(clock_.Now()) * (1 + noise_ * random_.Normal());
+}
+
+}  // namespace gonio

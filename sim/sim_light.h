@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+// A light that drifts and a monitor that is noisy.
+
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "core/clock.h"
+#include "drivers/light.h"
+#include "sim/random.h"
+
+namespace gonio {
+
+// The lamp itself, which outlives the SimLight that dims it.
+class SimLamp {
+ public:
+  // `drift_per_hour`: relative slope of the power at time zero. The drift is a sine of eight hours,
+  // so that it stays bounded through the longest session (1.3 times this at most).
+  explicit SimLamp(double drift_per_hour) : drift_per_hour_(drift_per_hour) {}
+
+  void set_level(double level) { level_ = level; }
+  double level() const { return level_; }
+  // Truth: relative to full power at time zero.
+  double PowerAt(Seconds time) const;
+
+ private:
+  double drift_per_hour_;
+  double level_ = 0;
+};
+
+class SimLight final : public Light {
+ public:
+  SimLight(std::string name, std::shared_ptr<SimLamp> lamp);
+  ~SimLight() override;
+  const std::string& name() const override { return name_; }
+  Result<void> SetLevel(double level) override;
+  Result<double> Level() override;
+
+ private:
+  const std::string name_;
+  const std::shared_ptr<SimLamp> lamp_;
+};
+
+class SimMonitor final : public Monitor {
+ public:
+  // `noise`: relative standard deviation of one reading.
+  SimMonitor(std::string name, std::shared_ptr<const SimLamp> lamp, double noise,
+             const Clock& clock, Random random);
+  const std::string& name() const override { return name_; }
+  Result<double> Read() override;
+
+ private:
+  const std::string name_;
+  const std::shared_ptr<const SimLamp> lamp_;
+  const double noise_;
+  const Clock& clock_;
+  Random random_;
+};
+
+}  // namespace gonio

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/sim_rig.h"
+
+#include "sim/sim_axis.h"
+
+namespace gonio {
+namespace {
+
+constexpr const char* kNames[4] = {"light_azimuth", "light_elevation", "camera_azimuth",
+                                   "camera_elevation"};
+// Streams of the generator; their numbers are part of what makes a seed repeatable.
+enum Stream { kStart = 0, kAxis = 10, kCameraStream = 20, kMonitorStream = 30 };
+
+}  // namespace
+
+SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const Brdf& sample,
+                          Clock& clock, std::uint64_t seed) {
+  SimDevices devices;
+  devices.lamp = std::make_shared<SimLamp>(truth.light_drift_per_hour);
+  Random start(seed, kStart);
+  for (int i = 0; i < 4; ++i) {
+    const AxisLimits& limits = setup.axes[i];
+    const double range = limits.max_position - limits.min_position;
+    devices.motors[i] = std::make_shared<SimMotor>(limits.min_position + start.Uniform() * range,
+                                                   limits.max_speed, limits.acceleration, clock);
+    SimAxisOptions options;
+    options.encoder_resolution = truth.encoder_resolution;
+    options.repeatability = truth.repeatability;
+    // Marks at opposite ends, so that the homed arms are far apart.
+    options.reference = i < 2 ? limits.min_position : limits.max_position;
+    options.home_limit = setup.home_limit;
+    devices.axes[i] = std::make_unique<SimAxis>(kNames[i], limits, options, devices.motors[i],
+                                                clock, Random(seed, kAxis + i));
+  }
+  devices.camera =
+      std::make_unique<SimCamera>("camera", setup.camera, truth, sample, devices.motors,
+                                  devices.lamp, clock, Random(seed, kCameraStream));
+  devices.light = std::make_unique<SimLight>("light", devices.lamp);
+  devices.monitor = std::make_unique<SimMonitor>("monitor", devices.lamp, truth.monitor_noise,
+                                                 clock, Random(seed, kMonitorStream));
+  return devices;
+}
+
+}  // namespace gonio

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: Apache-2.0
+// A simulated four-axis gonioreflectometer, opened.
+
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+
+#include "drivers/axis.h"
+#include "drivers/camera.h"
+#include "drivers/light.h"
+#include "sim/sim_camera.h"
+#include "sim/sim_config.h"
+
+namespace gonio {
+
+// What the rig's configuration says of its devices. Axes: light azimuth, light elevation, camera
+// azimuth, camera elevation.
+struct SimSetup {
+  std::array<AxisLimits, 4> axes;
+  Seconds home_limit{120};
+  CameraInfo camera;
+};
+
+// The devices behind their interfaces, and the machine behind the devices for those who want the
+// truth.
+struct SimDevices {
+  std::array<std::unique_ptr<Axis>, 4> axes;
+  std::unique_ptr<Camera> camera;
+  std::unique_ptr<Light> light;
+  std::unique_ptr<Monitor> monitor;
+
+  SimMotors motors;
+  std::shared_ptr<SimLamp> lamp;
+};
+
+// Opens a simulated rig that looks at `sample`. Axes start not homed, somewhere in their range; the
+// light is off. The same seed and the same calls give the same counts. `sample` and `clock` must
+// outlive the devices.
+SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const Brdf& sample,
+                          Clock& clock, std::uint64_t seed);
+
+}  // namespace gonio
