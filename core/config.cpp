@@ -52,6 +52,9 @@ namespace {
 std::string Describe(const Range& range) {
   const bool low = std::isfinite(range.min);
   const bool high = std::isfinite(range.max);
+  if (low && high && range.min_open) {
+    return fmt::format("must be > {} and <= {}", range.min, range.max);
+  }
   if (low && high) return fmt::format("must be between {} and {}", range.min, range.max);
   if (low) return fmt::format("must be {} {}", range.min_open ? ">" : ">=", range.min);
   return fmt::format("must be <= {}", range.max);
@@ -61,24 +64,45 @@ bool Holds(const Range& range, double number) {
   return number <= range.max && (range.min_open ? number > range.min : number >= range.min);
 }
 
-// Throws on a key that stands twice in one mapping, which YAML forbids and yaml-cpp lets pass.
-void RefuseDuplicateKeys(const YAML::Node& node, const std::string& file) {
+// Throws on a key that stands twice in one mapping, which YAML forbids and yaml-cpp lets pass, and
+// on an alias that contains itself, which no reader gets to the end of. `above`: the nodes around
+// this one.
+void RefuseTraps(const YAML::Node& node, const std::string& file, std::vector<YAML::Node>* above) {
+  const auto fail = [&file](const YAML::Mark& mark, const std::string& complaint) {
+    throw ConfigError(fmt::format("{}:{}: {}", file, mark.line + 1, complaint));
+  };
+  if (std::any_of(above->begin(), above->end(), [&](const auto& n) { return n.is(node); })) {
+    fail(node.Mark(), "holds an alias that contains itself");
+  }
+  above->push_back(node);
   if (node.IsSequence()) {
-    for (const auto& item : node) RefuseDuplicateKeys(item, file);
-  }
-  if (!node.IsMap()) return;
-  std::set<std::string> seen;
-  for (const auto& entry : node) {
-    if (!entry.first.IsScalar()) {
-      throw ConfigError(
-          fmt::format("{}:{}: a key must be a single word", file, entry.first.Mark().line + 1));
+    for (const auto& item : node) RefuseTraps(item, file, above);
+  } else if (node.IsMap()) {
+    std::set<std::string> seen;
+    for (const auto& entry : node) {
+      const YAML::Mark mark = entry.first.Mark();
+      if (!entry.first.IsScalar()) fail(mark, "a key must be a single word");
+      if (!seen.insert(entry.first.Scalar()).second) {
+        fail(mark, entry.first.Scalar() + ": stands twice");
+      }
+      RefuseTraps(entry.second, file, above);
     }
-    if (!seen.insert(entry.first.Scalar()).second) {
-      throw ConfigError(fmt::format("{}:{}: {}: stands twice", file, entry.first.Mark().line + 1,
-                                    entry.first.Scalar()));
-    }
-    RefuseDuplicateKeys(entry.second, file);
   }
+  above->pop_back();
+}
+
+YAML::Node ParseOneDocument(const std::string& text, const std::string& name) {
+  std::vector<YAML::Node> documents;
+  try {
+    documents = YAML::LoadAll(text);
+  } catch (const YAML::Exception& e) {
+    throw ConfigError(fmt::format("{}:{}: not valid YAML: {}", name, e.mark.line + 1, e.msg));
+  }
+  if (documents.size() > 1) {
+    throw ConfigError(fmt::format("{}:{}: must hold one YAML document, not {}", name,
+                                  documents[1].Mark().line + 1, documents.size()));
+  }
+  return documents.empty() ? YAML::Node() : documents[0];
 }
 
 }  // namespace
@@ -92,15 +116,12 @@ ConfigNode ConfigNode::Load(const std::filesystem::path& path) {
 ConfigNode ConfigNode::Parse(const std::string& text, const std::string& name) {
   auto impl = std::make_shared<Impl>();
   impl->file = name;
-  try {
-    impl->node = YAML::Load(text);
-  } catch (const YAML::Exception& e) {
-    throw ConfigError(fmt::format("{}:{}: not valid YAML: {}", name, e.mark.line + 1, e.msg));
-  }
+  impl->node = ParseOneDocument(text, name);
   if (!impl->node.IsMap()) {
     throw ConfigError(fmt::format("{}:1: must hold keys and values (\"key: value\")", name));
   }
-  RefuseDuplicateKeys(impl->node, name);
+  std::vector<YAML::Node> above;
+  RefuseTraps(impl->node, name, &above);
   return ConfigNode(impl);
 }
 

@@ -36,8 +36,8 @@ struct Range {
 // Numbers must be finite. A node is a cheap handle; copies share the record of what was read.
 class ConfigNode {
  public:
-  // Throws ConfigError on an unreadable file, broken YAML, a duplicate key or a root that is no
-  // mapping.
+  // Throws ConfigError on an unreadable file, broken YAML, a second document, a duplicate key, an
+  // alias that contains itself, or a root that is no mapping.
   static ConfigNode Load(const std::filesystem::path& path);
   // `name` stands for the file in messages.
   static ConfigNode Parse(const std::string& text, const std::string& name);
