@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/event_log.h"
+
+#include <fcntl.h>
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "acquisition/event_log_schema.h"
+#include "acquisition/event_log_sqlite.h"
+#include "acquisition/sha256.h"
+#include "core/check.h"
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+using nlohmann::json;
+
+std::string UtcNow() {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+json DegreesOf(const HalfDiff& angles) {
+  return {{"theta_h_deg", DegFromRad(angles.theta_h)},
+          {"theta_d_deg", DegFromRad(angles.theta_d)},
+          {"phi_d_deg", DegFromRad(angles.phi_d)}};
+}
+
+std::vector<std::uint8_t> LittleEndian(const std::vector<std::uint16_t>& counts) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(2 * counts.size());
+  for (const std::uint16_t count : counts) {
+    bytes.push_back(static_cast<std::uint8_t>(count & 0xff));
+    bytes.push_back(static_cast<std::uint8_t>(count >> 8));
+  }
+  return bytes;
+}
+
+// NULL for infinity, which is no SQL number: the sigma of a channel that could not be measured.
+std::optional<double> FiniteOrNull(double number) {
+  return std::isfinite(number) ? std::optional<double>(number) : std::nullopt;
+}
+
+// Makes the entry of a new directory durable. Best effort: some file systems refuse.
+void SyncDirectory(const std::filesystem::path& dir) {
+  const int fd = ::open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (fd < 0) return;
+  ::fsync(fd);
+  ::close(fd);
+}
+
+double Azimuth(const Eigen::Vector3d& v) { return DegFromRad(std::atan2(v.y(), v.x())); }
+
+double Polar(const Eigen::Vector3d& v) {
+  return DegFromRad(AngleBetween(v, Eigen::Vector3d::UnitZ()));
+}
+
+void CreateTables(sqlite::Database& db) {
+  db.Execute(kSessionSchema);
+  constexpr const char* kRefuse =
+      "CREATE TRIGGER {0}_refuse_{1} BEFORE {1} ON {0} {2} BEGIN SELECT RAISE(ABORT, '{0} is "
+      "append-only'); END";
+  for (const auto& [table, same_key] : kSessionTables) {
+    const std::string replaces =
+        fmt::format("WHEN EXISTS (SELECT 1 FROM {} WHERE {})", table, same_key);
+    db.Execute(fmt::format(kRefuse, table, "UPDATE", "").c_str());
+    db.Execute(fmt::format(kRefuse, table, "DELETE", "").c_str());
+    db.Execute(fmt::format(kRefuse, table, "INSERT", replaces).c_str());
+  }
+  db.Execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                         kSessionApplicationId, kSessionFormat)
+                 .c_str());
+}
+
+void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
+  sqlite::Statement insert(db, "INSERT INTO meta (key, value) VALUES (?, ?)");
+  const auto put = [&](const std::string& key, const std::string& text) { insert.Run(key, text); };
+  put("format", std::to_string(kSessionFormat));
+  put("gonio_version", info.gonio_version);
+  put("created_utc", info.created_utc);
+  put("seed", std::to_string(info.seed));
+  put("max_poses", std::to_string(info.max_poses));
+  put("rig_name", info.rig_name);
+  put("rig_text", info.rig_text);
+  put("rig_sha256", Sha256(info.rig_text));
+  put("plan_text", info.plan_text);
+  put("plan_sha256", Sha256(info.plan_text));
+  put("prior_name", info.prior_name);
+  put("prior_spec", info.prior_spec);
+  put("prior_sha256", info.prior_sha256);
+  put("material_path", info.material_path);
+  put("material_sha256", info.material_sha256);
+  put("devices", json(info.devices).dump());
+}
+
+}  // namespace
+
+struct EventLog::Impl {
+  explicit Impl(const std::filesystem::path& path)
+      : db(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE) {}
+
+  // All of `body` in one transaction; what SQLite refuses becomes a kStorage error.
+  template <typename Body>
+  Result<void> Write(const Body& body) {
+    try {
+      sqlite::Transaction transaction(db);
+      body();
+      transaction.Commit();
+    } catch (const sqlite::Failure& e) {
+      return Error{ErrorCode::kStorage, e.what()};
+    }
+    return {};
+  }
+
+  void InsertEvent(Seconds time, const std::string& kind, const json& body) {
+    sqlite::Statement(db, "INSERT INTO events (time_s, kind, body) VALUES (?, ?, ?)")
+        .Run(time.count(), kind, body.dump(-1, ' ', false, json::error_handler_t::replace));
+  }
+
+  void InsertPose(const PoseNote& note, const PoseRecord& record) {
+    const HalfDiff planned = ToHalfDiff(note.proposal.directions);
+    const auto deg = [](const ArmAngles& angles, int axis) { return DegFromRad(angles[axis]); };
+    const ArmAngles& to = record.commanded;
+    const ArmAngles& at = record.readback;
+    sqlite::Statement(db,
+                      "INSERT INTO poses VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+                      "?, ?, ?, ?)")
+        .Run(note.pose, note.proposal.candidate, note.proposal.reason,
+             FiniteOrNull(note.proposal.score), DegFromRad(planned.theta_h),
+             DegFromRad(planned.theta_d), DegFromRad(planned.phi_d), deg(to, 0), deg(to, 1),
+             deg(to, 2), deg(to, 3), deg(at, 0), deg(at, 1), deg(at, 2), deg(at, 3),
+             record.move_retries, record.start.count(), record.move_time.count(),
+             record.end.count(), note.predicted_error);
+  }
+
+  void InsertExposure(int pose, int number, const Exposure& exposure) {
+    const Frame& frame = exposure.frame;
+    const std::vector<std::uint8_t> bytes = LittleEndian(frame.counts);
+    sqlite::Statement(db, "INSERT INTO exposures VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+        .Run(pose, number, frame.exposure.count(), frame.black_level, exposure.monitor,
+             frame.start.count(), frame.width, frame.height, frame.channels,
+             int{exposure.saturated[0]}, int{exposure.saturated[1]}, int{exposure.saturated[2]},
+             std::span<const std::uint8_t>(bytes));
+  }
+
+  sqlite::Database db;
+};
+
+EventLog::EventLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+EventLog::EventLog(EventLog&&) noexcept = default;
+EventLog& EventLog::operator=(EventLog&&) noexcept = default;
+
+EventLog::~EventLog() {
+  // A finished session is one plain file, readable from a read-only disk. Not worth an error if it
+  // does not work (a reader may be looking): the write-ahead log beside it then stays in force.
+  if (impl_ == nullptr) return;
+  sqlite3_exec(impl_->db.get(), "PRAGMA journal_mode = DELETE", nullptr, nullptr, nullptr);
+}
+
+EventLog EventLog::Create(const std::filesystem::path& dir, SessionInfo info) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path parent = fs::absolute(dir).parent_path();
+  if (!fs::is_directory(parent, error)) {
+    throw ConfigError(fmt::format("{}: cannot make this directory: {} does not exist", dir.string(),
+                                  parent.string()));
+  }
+  // create_directory() is the exclusive claim: of two processes one gets `true`.
+  const bool made = fs::create_directory(dir, error);
+  if (!made && (!error || error == std::errc::file_exists || fs::exists(dir))) {
+    throw ConfigError(fmt::format(
+        "{}: exists already; a session never reuses a directory, name another", dir.string()));
+  }
+  if (!made) {
+    throw ConfigError(
+        fmt::format("{}: cannot make this directory: {}", dir.string(), error.message()));
+  }
+  try {
+    auto impl = std::make_unique<Impl>(dir / kSessionFile);
+    impl->db.Execute(
+        "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
+    if (info.created_utc.empty()) info.created_utc = UtcNow();
+    sqlite::Transaction transaction(impl->db);
+    CreateTables(impl->db);
+    WriteMeta(impl->db, info);
+    impl->InsertEvent(Seconds(0), "session_start", {{"seed", info.seed}, {"rig", info.rig_name}});
+    transaction.Commit();
+    SyncDirectory(parent);
+    return EventLog(std::move(impl));
+  } catch (...) {
+    fs::remove_all(dir, error);
+    throw;
+  }
+}
+
+Result<void> EventLog::AppendPose(const PoseNote& note, const PoseRecord& record) {
+  return impl_->Write([&] {
+    impl_->InsertPose(note, record);
+    int number = 0;
+    for (const Exposure& exposure : record.exposures) {
+      impl_->InsertExposure(note.pose, ++number, exposure);
+    }
+    impl_->InsertEvent(record.end, "pose_measured",
+                       {{"pose", note.pose},
+                        {"candidate", note.proposal.candidate},
+                        {"reason", note.proposal.reason},
+                        {"frames", record.exposures.size()},
+                        {"move_retries", record.move_retries},
+                        {"commanded_rad", record.commanded},
+                        {"readback_rad", record.readback}});
+  });
+}
+
+Result<void> EventLog::AppendSample(int pose, const BrdfSample& sample) {
+  const Eigen::Vector3d& wi = sample.directions.wi;
+  const Eigen::Vector3d& wo = sample.directions.wo;
+  const HalfDiff angles = ToHalfDiff(sample.directions);
+  return impl_->Write([&] {
+    sqlite::Statement(
+        impl_->db,
+        "INSERT INTO samples VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+        .Run(pose, Polar(wi), Azimuth(wi), Polar(wo), Azimuth(wo), DegFromRad(angles.theta_h),
+             DegFromRad(angles.theta_d), DegFromRad(angles.phi_d), wi.x(), wi.y(), wi.z(), wo.x(),
+             wo.y(), wo.z(), sample.f_r[0], sample.f_r[1], sample.f_r[2],
+             FiniteOrNull(sample.sigma[0]), FiniteOrNull(sample.sigma[1]),
+             FiniteOrNull(sample.sigma[2]));
+  });
+}
+
+Result<void> EventLog::AppendRejection(Seconds time, const Proposal& proposal, const Error& error) {
+  json body = DegreesOf(ToHalfDiff(proposal.directions));
+  body["candidate"] = proposal.candidate;
+  body["reason"] = proposal.reason;
+  body["message"] = error.message;
+  return impl_->Write([&] { impl_->InsertEvent(time, "pose_rejected", body); });
+}
+
+Result<void> EventLog::AppendError(Seconds time, const Error& error) {
+  return impl_->Write([&] {
+    impl_->InsertEvent(time, "error", {{"code", ToString(error.code)}, {"message", error.message}});
+  });
+}
+
+Result<void> EventLog::AppendNote(Seconds time, const std::string& kind,
+                                  const std::string& message) {
+  return impl_->Write([&] { impl_->InsertEvent(time, kind, {{"message", message}}); });
+}
+
+Result<void> EventLog::AppendEnd(Seconds time, const SessionEnd& end) {
+  json body = {{"outcome", end.outcome},
+               {"reason", end.reason},
+               {"poses", end.poses},
+               {"rejected", end.rejected},
+               {"duration_s", end.duration.count()}};
+  if (end.predicted_error) body["predicted_error"] = *end.predicted_error;
+  return impl_->Write([&] { impl_->InsertEvent(time, "session_end", body); });
+}
+
+const std::filesystem::path& EventLog::file() const { return impl_->db.file(); }
+
+}  // namespace gonio

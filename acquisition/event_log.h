@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: Apache-2.0
+// The event log: DIR/session.sqlite, the only memory of a session (docs/data-format.md).
+
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "acquisition/measure.h"
+#include "brdf/brdf.h"
+#include "core/clock.h"
+#include "core/error.h"
+#include "planner/planner.h"
+
+namespace gonio {
+
+// Version of the tables below DIR/session.sqlite; a reader refuses any other.
+inline constexpr int kSessionFormat = 1;
+inline constexpr const char* kSessionFile = "session.sqlite";
+
+// What is frozen when a session starts. Hashes are SHA-256, in hexadecimal, and are filled in by
+// EventLog::Create() for the two texts.
+struct SessionInfo {
+  std::string gonio_version;
+  std::string created_utc;  // "2024-05-01T12:00:00Z"; filled in by Create() if empty
+  std::uint64_t seed = 0;
+  int max_poses = 0;  // limit on top of the plan's; 0: none
+  std::string rig_name;
+  std::string rig_text;   // the rig file as it was read
+  std::string plan_text;  // the plan file as it was read
+  std::string prior_name;
+  std::string prior_spec;       // empty: the plan's; "generic"; or a prior file's absolute path
+  std::string prior_sha256;     // of that file
+  std::string material_path;    // the simulated sample's file, absolute; empty for a real sample
+  std::string material_sha256;  // of that file
+  std::map<std::string, std::string> devices;  // role -> identity, e.g. "camera" -> "sim-camera"
+};
+
+// How one pose went, as the log needs it beside the raw record.
+struct PoseNote {
+  int pose = 0;  // 1, 2, ... in the order measured
+  Proposal proposal;
+  std::optional<double> predicted_error;  // the planner's, from the poses before this one
+};
+
+// How a session ended.
+struct SessionEnd {
+  std::string outcome;  // "complete", "stopped", "device fault", "storage failed"
+  std::string reason;
+  int poses = 0;
+  int rejected = 0;
+  Seconds duration{0};
+  std::optional<double> predicted_error;  // the planner's, from all poses
+};
+
+// Writes a session. Nothing in it is ever changed again: triggers refuse UPDATE and DELETE.
+//
+// Promises, checked by tests/scenario/event_log_test.cpp:
+//
+//   1. When a method returns success, what it wrote survives SIGKILL and power loss (WAL with
+//      synchronous=FULL); when it returns an error, nothing of it is in the log.
+//   2. AppendPose() is one transaction: the pose, its exposures and the event, or none of them.
+//   3. Create() leaves nothing behind when it fails.
+//
+// One thread. Errors: kStorage "DIR/session.sqlite: cannot write: REASON" (disk full, I/O error);
+// the log is unchanged and the session must end, since nothing more can be kept.
+class EventLog {
+ public:
+  // Makes DIR, which must not exist, and the file in it. Throws ConfigError "DIR: exists already;
+  // ..." or std::runtime_error "DIR/session.sqlite: cannot write: ...".
+  static EventLog Create(const std::filesystem::path& dir, SessionInfo info);
+
+  EventLog(EventLog&&) noexcept;
+  EventLog& operator=(EventLog&&) noexcept;
+  // Folds the write-ahead log into the one file.
+  ~EventLog();
+
+  // The raw record of a pose, before anything learns from it.
+  Result<void> AppendPose(const PoseNote& note, const PoseRecord& record);
+  // What Reduce() made of it. Precondition: AppendPose() of the same pose.
+  Result<void> AppendSample(int pose, const BrdfSample& sample);
+  Result<void> AppendRejection(Seconds time, const Proposal& proposal, const Error& error);
+  Result<void> AppendError(Seconds time, const Error& error);
+  // Anything else that happened: one word and one line.
+  Result<void> AppendNote(Seconds time, const std::string& kind, const std::string& message);
+  Result<void> AppendEnd(Seconds time, const SessionEnd& end);
+
+  const std::filesystem::path& file() const;
+
+ private:
+  struct Impl;
+  explicit EventLog(std::unique_ptr<Impl> impl);
+
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace gonio

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: Apache-2.0
+// The tables of a session, as docs/data-format.md explains them; private to the event log.
+
+#pragma once
+
+namespace gonio {
+
+// "gonio" in ASCII cut to 32 bits: SQLite's application_id, by which `file` and our reader know a
+// session.
+inline constexpr int kSessionApplicationId = 0x676f6e69;
+
+// Angles in degrees and times in seconds on the session's clock: people read these tables. The
+// exact radians stand in the events, the exact unit vectors in `samples`.
+inline constexpr const char* kSessionSchema = R"sql(
+CREATE TABLE meta (
+  key TEXT PRIMARY KEY NOT NULL,
+  value TEXT NOT NULL
+) STRICT;
+
+CREATE TABLE events (
+  seq INTEGER PRIMARY KEY,
+  time_s REAL NOT NULL,
+  kind TEXT NOT NULL,
+  body TEXT NOT NULL CHECK (json_valid(body))
+) STRICT;
+
+CREATE TABLE poses (
+  pose INTEGER PRIMARY KEY,
+  candidate INTEGER NOT NULL,
+  reason TEXT NOT NULL,
+  score REAL,
+  theta_h_deg REAL NOT NULL, theta_d_deg REAL NOT NULL, phi_d_deg REAL NOT NULL,
+  commanded_light_azimuth_deg REAL NOT NULL, commanded_light_elevation_deg REAL NOT NULL,
+  commanded_camera_azimuth_deg REAL NOT NULL, commanded_camera_elevation_deg REAL NOT NULL,
+  readback_light_azimuth_deg REAL NOT NULL, readback_light_elevation_deg REAL NOT NULL,
+  readback_camera_azimuth_deg REAL NOT NULL, readback_camera_elevation_deg REAL NOT NULL,
+  move_retries INTEGER NOT NULL,
+  start_s REAL NOT NULL, move_s REAL NOT NULL, end_s REAL NOT NULL,
+  predicted_error REAL
+) STRICT;
+
+CREATE TABLE exposures (
+  pose INTEGER NOT NULL REFERENCES poses (pose),
+  frame INTEGER NOT NULL,
+  exposure_s REAL NOT NULL, black_level REAL NOT NULL, monitor REAL NOT NULL,
+  start_s REAL NOT NULL,
+  width INTEGER NOT NULL, height INTEGER NOT NULL, channels INTEGER NOT NULL,
+  saturated_red INTEGER NOT NULL, saturated_green INTEGER NOT NULL,
+  saturated_blue INTEGER NOT NULL,
+  counts BLOB NOT NULL,
+  PRIMARY KEY (pose, frame)
+) STRICT;
+
+CREATE TABLE samples (
+  pose INTEGER PRIMARY KEY REFERENCES poses (pose),
+  theta_i_deg REAL NOT NULL, phi_i_deg REAL NOT NULL,
+  theta_o_deg REAL NOT NULL, phi_o_deg REAL NOT NULL,
+  theta_h_deg REAL NOT NULL, theta_d_deg REAL NOT NULL, phi_d_deg REAL NOT NULL,
+  wi_x REAL NOT NULL, wi_y REAL NOT NULL, wi_z REAL NOT NULL,
+  wo_x REAL NOT NULL, wo_y REAL NOT NULL, wo_z REAL NOT NULL,
+  f_r_red REAL NOT NULL, f_r_green REAL NOT NULL, f_r_blue REAL NOT NULL,
+  sigma_red REAL, sigma_green REAL, sigma_blue REAL
+) STRICT;
+
+CREATE VIEW measurements AS
+  SELECT p.pose, p.reason, p.end_s AS time_s, s.theta_h_deg, s.theta_d_deg, s.phi_d_deg,
+         s.theta_i_deg, s.theta_o_deg, s.f_r_red, s.f_r_green, s.f_r_blue,
+         s.sigma_red, s.sigma_green, s.sigma_blue,
+         (SELECT count(*) FROM exposures e WHERE e.pose = p.pose) AS frames, p.predicted_error
+  FROM poses p JOIN samples s USING (pose) ORDER BY p.pose;
+)sql";
+
+// A table and the condition under which a new row would replace an old one (INSERT OR REPLACE
+// deletes without firing DELETE triggers).
+struct SessionTable {
+  const char* name;
+  const char* same_key;
+};
+inline constexpr SessionTable kSessionTables[] = {
+    {"meta", "key = NEW.key"},      {"events", "seq = NEW.seq"},
+    {"poses", "pose = NEW.pose"},   {"exposures", "pose = NEW.pose AND frame = NEW.frame"},
+    {"samples", "pose = NEW.pose"},
+};
+
+}  // namespace gonio

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/session_record.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "acquisition/event_log_schema.h"
+#include "acquisition/event_log_sqlite.h"
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+using nlohmann::json;
+
+std::int64_t Pragma(sqlite::Database& db, const char* name) {
+  sqlite::Statement statement(db, fmt::format("PRAGMA {}", name).c_str());
+  return statement.Step() ? statement.Integer(0) : 0;
+}
+
+void CheckFormat(sqlite::Database& db) {
+  const std::string file = db.file().string();
+  if (Pragma(db, "application_id") != kSessionApplicationId) {
+    throw ConfigError(file + ": is not a session: some other program made this database");
+  }
+  if (const std::int64_t version = Pragma(db, "user_version"); version != kSessionFormat) {
+    throw ConfigError(fmt::format("{}: has session format {}, this program reads format {}", file,
+                                  version, kSessionFormat));
+  }
+  sqlite::Statement check(db, "PRAGMA quick_check(1)");
+  if (!check.Step() || check.Text(0) != "ok") {
+    throw ConfigError(fmt::format("{}: is damaged: {}", file, check.Text(0)));
+  }
+}
+
+template <typename Number>
+Number NumberOf(const std::string& text) {
+  Number number = 0;
+  std::from_chars(text.data(), text.data() + text.size(), number);
+  return number;
+}
+
+SessionInfo ReadInfo(sqlite::Database& db) {
+  std::map<std::string, std::string> meta;
+  sqlite::Statement rows(db, "SELECT key, value FROM meta");
+  while (rows.Step()) meta[rows.Text(0)] = rows.Text(1);
+  SessionInfo info;
+  info.gonio_version = meta["gonio_version"];
+  info.created_utc = meta["created_utc"];
+  info.seed = NumberOf<std::uint64_t>(meta["seed"]);
+  info.max_poses = NumberOf<int>(meta["max_poses"]);
+  info.rig_name = meta["rig_name"];
+  info.rig_text = meta["rig_text"];
+  info.plan_text = meta["plan_text"];
+  info.prior_name = meta["prior_name"];
+  info.prior_spec = meta["prior_spec"];
+  info.prior_sha256 = meta["prior_sha256"];
+  info.material_path = meta["material_path"];
+  info.material_sha256 = meta["material_sha256"];
+  const json devices = json::parse(meta["devices"]);  // items() below refers to it
+  for (const auto& [role, identity] : devices.items()) {
+    info.devices[role] = identity.get<std::string>();
+  }
+  return info;
+}
+
+std::optional<double> RealOrNull(const sqlite::Statement& row, int column) {
+  return row.IsNull(column) ? std::nullopt : std::optional<double>(row.Real(column));
+}
+
+BrdfSample ReadSample(const sqlite::Statement& row, int first) {
+  BrdfSample sample;
+  for (int i = 0; i < 3; ++i) {
+    sample.directions.wi[i] = row.Real(first + i);
+    sample.directions.wo[i] = row.Real(first + 3 + i);
+    sample.f_r[i] = row.Real(first + 6 + i);
+    sample.sigma[i] =
+        RealOrNull(row, first + 9 + i).value_or(std::numeric_limits<double>::infinity());
+  }
+  return sample;
+}
+
+std::vector<MeasuredPose> ReadPoses(sqlite::Database& db) {
+  constexpr int kFirstSampleColumn = 13;
+  sqlite::Statement row(
+      db,
+      "SELECT p.pose, p.candidate, p.reason, p.score, p.theta_h_deg, p.theta_d_deg, p.phi_d_deg,"
+      " p.move_retries, p.start_s, p.move_s, p.end_s, p.predicted_error,"
+      " (SELECT count(*) FROM exposures e WHERE e.pose = p.pose),"
+      " s.wi_x, s.wi_y, s.wi_z, s.wo_x, s.wo_y, s.wo_z, s.f_r_red, s.f_r_green, s.f_r_blue,"
+      " s.sigma_red, s.sigma_green, s.sigma_blue"
+      " FROM poses p JOIN samples s USING (pose) ORDER BY p.pose");
+  std::vector<MeasuredPose> poses;
+  while (row.Step()) {
+    MeasuredPose& pose = poses.emplace_back();
+    pose.pose = static_cast<int>(row.Integer(0));
+    pose.candidate = static_cast<int>(row.Integer(1));
+    pose.reason = row.Text(2);
+    pose.score = RealOrNull(row, 3);
+    pose.planned = {RadFromDeg(row.Real(4)), RadFromDeg(row.Real(5)), RadFromDeg(row.Real(6))};
+    pose.move_retries = static_cast<int>(row.Integer(7));
+    pose.start = Seconds(row.Real(8));
+    pose.move_time = Seconds(row.Real(9));
+    pose.end = Seconds(row.Real(10));
+    pose.predicted_error = RealOrNull(row, 11);
+    pose.frames = static_cast<int>(row.Integer(12));
+    pose.sample = ReadSample(row, kFirstSampleColumn);
+  }
+  return poses;
+}
+
+std::vector<SessionEvent> ReadEvents(sqlite::Database& db) {
+  sqlite::Statement row(db, "SELECT seq, time_s, kind, body FROM events ORDER BY seq");
+  std::vector<SessionEvent> events;
+  while (row.Step()) {
+    events.push_back(
+        {static_cast<int>(row.Integer(0)), Seconds(row.Real(1)), row.Text(2), row.Text(3)});
+  }
+  return events;
+}
+
+std::optional<SessionEnd> FindEnd(const std::vector<SessionEvent>& events) {
+  if (events.empty() || events.back().kind != "session_end") return std::nullopt;
+  const json body = json::parse(events.back().body);
+  SessionEnd end;
+  end.outcome = body.at("outcome").get<std::string>();
+  end.reason = body.at("reason").get<std::string>();
+  end.poses = body.at("poses").get<int>();
+  end.rejected = body.at("rejected").get<int>();
+  end.duration = Seconds(body.at("duration_s").get<double>());
+  if (body.contains("predicted_error")) end.predicted_error = body["predicted_error"].get<double>();
+  return end;
+}
+
+}  // namespace
+
+std::vector<BrdfSample> SessionRecord::Samples() const {
+  std::vector<BrdfSample> samples;
+  for (const MeasuredPose& pose : poses) samples.push_back(pose.sample);
+  return samples;
+}
+
+bool IsSession(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(path / kSessionFile, ignored);
+}
+
+SessionRecord ReadSession(const std::filesystem::path& dir) {
+  if (!std::filesystem::is_directory(dir)) {
+    throw ConfigError(dir.string() + ": is not a session: no such directory");
+  }
+  if (!IsSession(dir)) {
+    throw ConfigError(fmt::format("{}: is not a session: has no {}", dir.string(), kSessionFile));
+  }
+  try {
+    sqlite::Database db(dir / kSessionFile, SQLITE_OPEN_READONLY);
+    sqlite::Transaction transaction(db, "BEGIN");  // one moment of a session that may be running
+    CheckFormat(db);
+    SessionRecord record;
+    record.info = ReadInfo(db);
+    record.poses = ReadPoses(db);
+    record.events = ReadEvents(db);
+    record.end = FindEnd(record.events);
+    return record;
+  } catch (const sqlite::Failure& e) {
+    throw ConfigError(e.what());
+  } catch (const json::exception& e) {
+    throw ConfigError(fmt::format("{}: is damaged: {}", (dir / kSessionFile).string(), e.what()));
+  }
+}
+
+}  // namespace gonio

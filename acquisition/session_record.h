@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+// Reads DIR/session.sqlite, finished or not.
+
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acquisition/event_log.h"
+
+namespace gonio {
+
+// One measured pose with what was made of it.
+struct MeasuredPose {
+  int pose = 0;  // 1, 2, ...
+  int candidate = 0;
+  std::string reason;
+  std::optional<double> score;  // what the planner maximised; empty if it was not finite
+  HalfDiff planned;
+  BrdfSample sample;  // as it was when the planner learned of it, to the last bit
+  int frames = 0;
+  int move_retries = 0;
+  Seconds start{0};  // session clock
+  Seconds move_time{0};
+  Seconds end{0};
+  std::optional<double> predicted_error;  // the planner's, from the poses before this one
+};
+
+struct SessionEvent {
+  int seq = 0;
+  Seconds time{0};
+  std::string kind;
+  std::string body;  // JSON
+};
+
+struct SessionRecord {
+  SessionInfo info;
+  std::vector<MeasuredPose> poses;   // those with a sample, in order
+  std::vector<SessionEvent> events;  // in order
+  std::optional<SessionEnd> end;     // empty: still running, or killed
+
+  std::vector<BrdfSample> Samples() const;
+};
+
+// Whether `path` is a directory that holds a session's file.
+bool IsSession(const std::filesystem::path& path);
+
+// Opens read-only, checks that it is a session of our version and that the file is sound, reads
+// and closes. Throws ConfigError "DIR: is not a session: ...".
+SessionRecord ReadSession(const std::filesystem::path& dir);
+
+}  // namespace gonio
