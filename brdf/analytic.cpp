@@ -107,10 +107,10 @@ Rgb Albedo(const Model& layer, const Eigen::Vector3d& wi) {
   });
 }
 
-// The same for a GGX lobe, times what `fresnel` of the angle at the microfacet gives: normals
+// The same for a GGX lobe, times `factor` of the cosine at the microfacet: normals
 // distributed as the facets' projected areas, so that narrow lobes are met as well as wide ones.
-template <typename Fresnel>
-Rgb LobeAlbedo(double roughness, const Eigen::Vector3d& wi, const Fresnel& fresnel) {
+template <typename Factor>
+Rgb LobeAlbedo(double roughness, const Eigen::Vector3d& wi, const Factor& factor) {
   return MeanOverStrata([&](double share, double phi) -> Rgb {
     const double tangent = roughness * std::sqrt(share / (1 - share));
     const Eigen::Vector3d h = FromSpherical(std::atan(tangent), phi);
@@ -120,7 +120,7 @@ Rgb LobeAlbedo(double roughness, const Eigen::Vector3d& wi, const Fresnel& fresn
     const double a2 = roughness * roughness;
     const auto shadow = [a2](double c) { return std::sqrt(a2 + (1 - a2) * c * c); };
     const double visible = 2 * wo.z() / (wo.z() * shadow(wi.z()) + wi.z() * shadow(wo.z()));
-    return fresnel(cos_d) * (visible * cos_d / h.z());
+    return factor(cos_d) * (visible * cos_d / h.z());
   });
 }
 

@@ -31,8 +31,7 @@ HalfDiff ToHalfDiff(const DirectionPair& pair) {
   angles.theta_d = std::atan2(difference.norm(), sum.norm());
   if (sum_xy <= 0 || difference.squaredNorm() <= 0) return angles;
 
-  // d's x and y in the frame whose z is h: x = the direction in which h tilts further, y = z cross
-  // h.
+  // d's x and y in the frame whose z is h: x points to where h tilts further, y = z cross h.
   const Eigen::Vector3d h = sum.normalized();
   const Eigen::Vector3d y_axis = Eigen::Vector3d(-sum.y(), sum.x(), 0) / sum_xy;
   const Eigen::Vector3d x_axis = y_axis.cross(h);
