@@ -13,8 +13,9 @@ namespace {
 
 // A monitor below this fraction of the level that was set means that the light is out.
 constexpr double kLightIsOut = 0.1;
-// A mid-grey diffuse sample [1/sr]: what to expect of the first pose if nobody knows.
-constexpr double kUnknownReflectance = 0.1;
+// White paper [1/sr]: what to expect of the first pose if nobody knows. A frame that comes out too
+// dark still says how dark; one that saturates says little.
+constexpr double kUnknownReflectance = 0.3;
 
 bool WholeFrame(const Frame& frame, const CameraInfo& info) {
   return frame.width == info.width && frame.height == info.height &&

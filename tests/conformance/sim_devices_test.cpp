@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+// The simulated devices keep the promises of drivers/.
+#include "sim/sim_axis.h"
+#include "sim/sim_rig.h"
+#include "tests/conformance/axis.h"
+#include "tests/conformance/camera.h"
+#include "tests/conformance/light.h"
+
+namespace gonio {
+namespace {
+
+class Grey final : public Brdf {
+ public:
+  std::optional<Rgb> Eval(const HalfDiff&) const override { return Rgb(Rgb::Constant(0.3)); }
+  std::string name() const override { return "grey"; }
+};
+
+const Grey kGrey;
+
+AxisSubject SimAxisSubject(const SimAxisOptions& options) {
+  const AxisLimits limits = {.min_position = -3,
+                             .max_position = 2,
+                             .max_speed = 0.35,
+                             .acceleration = 0.7,
+                             .position_tolerance = 1e-3};
+  AxisSubject subject;
+  subject.clock = std::make_shared<ManualClock>();
+  auto motor =
+      std::make_shared<SimMotor>(-1, limits.max_speed, limits.acceleration, *subject.clock);
+  auto axis =
+      std::make_unique<SimAxis>("axis", limits, options, motor, *subject.clock, Random(1, 0));
+  subject.shaft = [motor] { return motor->Position(); };
+  subject.pull_plug = [axis = axis.get()] { axis->PullPlug(); };
+  subject.axis = std::move(axis);
+  return subject;
+}
+
+AxisSubject IdealAxis() { return SimAxisSubject({}); }
+AxisSubject ImperfectAxis() {
+  return SimAxisSubject({.encoder_resolution = 3.5e-5, .repeatability = 1e-4, .reference = -3});
+}
+
+CameraSubject NoisyCamera() {
+  SimConfig truth;
+  truth.shot_noise = true;
+  truth.read_noise = 8;
+  truth.multiplicative_noise = 0.01;
+  truth.responsivity = Rgb::Constant(1e5);
+  const CameraInfo info = {.width = 5,
+                           .height = 3,
+                           .min_exposure = Seconds(20e-6),
+                           .max_exposure = Seconds(10),
+                           .readout = Seconds(0.03)};
+  CameraSubject subject;
+  subject.clock = std::make_shared<ManualClock>();
+  auto lamp = std::make_shared<SimLamp>(0);
+  lamp->set_level(1);
+  SimMotors motors;
+  for (auto& motor : motors) motor = std::make_shared<SimMotor>(0.8, 1, 1, *subject.clock);
+  subject.camera = std::make_unique<SimCamera>("camera", info, truth, kGrey, motors, lamp,
+                                               *subject.clock, Random(1, 0));
+  return subject;
+}
+
+LightSubject DriftingLight() {
+  auto lamp = std::make_shared<SimLamp>(0.01);
+  LightSubject subject;
+  subject.light = std::make_unique<SimLight>("light", lamp);
+  subject.emitted = [lamp] { return lamp->PowerAt(Seconds(0)); };
+  subject.turn_by_hand = [lamp](double level) { lamp->set_level(level); };
+  return subject;
+}
+
+INSTANTIATE_TEST_SUITE_P(SimIdeal, AxisConformance, testing::Values(IdealAxis));
+INSTANTIATE_TEST_SUITE_P(SimImperfect, AxisConformance, testing::Values(ImperfectAxis));
+INSTANTIATE_TEST_SUITE_P(Sim, CameraConformance, testing::Values(NoisyCamera));
+INSTANTIATE_TEST_SUITE_P(Sim, LightConformance, testing::Values(DriftingLight));
+
+}  // namespace
+}  // namespace gonio

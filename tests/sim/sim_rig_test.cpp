@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/sim_rig.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+class Grey final : public Brdf {
+ public:
+  std::optional<Rgb> Eval(const HalfDiff&) const override { return Rgb(Rgb::Constant(0.3)); }
+  std::string name() const override { return "grey"; }
+};
+
+const Grey kGrey;
+
+SimSetup SmallRig() {
+  SimSetup setup;
+  for (AxisLimits& axis : setup.axes) {
+    axis = {.min_position = RadFromDeg(2),
+            .max_position = RadFromDeg(90),
+            .max_speed = 1,
+            .acceleration = 1,
+            .position_tolerance = 0.01};
+  }
+  setup.camera = {
+      .width = 4, .height = 4, .min_exposure = Seconds(1e-5), .max_exposure = Seconds(10)};
+  return setup;
+}
+
+SimConfig Noisy() {
+  SimConfig truth;
+  truth.repeatability = 0.001;
+  truth.monitor_noise = 0.01;
+  truth.multiplicative_noise = 0.01;
+  truth.read_noise = 5;
+  truth.shot_noise = true;
+  truth.black_level = 100;
+  truth.responsivity = Rgb::Constant(10000);
+  return truth;
+}
+
+// A short session; everything that can be read.
+std::vector<double> Journal(std::uint64_t seed, bool read_monitor = true) {
+  ManualClock clock;
+  SimDevices devices = MakeSimDevices(Noisy(), SmallRig(), kGrey, clock, seed);
+  std::vector<double> journal;
+  EXPECT_TRUE(devices.light->SetLevel(1).ok());
+  for (auto& axis : devices.axes) {
+    EXPECT_TRUE(axis->Home({}).ok());
+    EXPECT_TRUE(axis->StartMove(0.6).ok());
+    EXPECT_TRUE(axis->WaitUntilStill(Seconds(60), {}).ok());
+    journal.push_back(axis->State()->position);
+  }
+  if (read_monitor) journal.push_back(*devices.monitor->Read());
+  const Frame frame = devices.camera->Capture(Seconds(0.1), {}).value();
+  journal.insert(journal.end(), frame.counts.begin(), frame.counts.end());
+  return journal;
+}
+
+TEST(MakeSimDevices, SameSeedSameCounts) {
+  EXPECT_EQ(Journal(1), Journal(1));
+  EXPECT_NE(Journal(1), Journal(2));
+}
+
+TEST(MakeSimDevices, OneDevicesNoiseDoesNotDependOnAnothersUse) {
+  std::vector<double> with = Journal(3);
+  with.erase(with.begin() + 4);  // the monitor's reading
+  EXPECT_EQ(with, Journal(3, false));
+}
+
+TEST(MakeSimDevices, StartsDarkAndNotHomed) {
+  ManualClock clock;
+  SimDevices devices = MakeSimDevices(Noisy(), SmallRig(), kGrey, clock, 1);
+  EXPECT_EQ(*devices.light->Level(), 0);
+  for (auto& axis : devices.axes) EXPECT_FALSE(axis->State()->homed);
+  EXPECT_EQ(devices.axes[2]->name(), "camera_azimuth");
+}
+
+TEST(MakeSimDevices, HomesTheArmsApart) {
+  ManualClock clock;
+  SimDevices devices = MakeSimDevices(Noisy(), SmallRig(), kGrey, clock, 1);
+  for (auto& axis : devices.axes) ASSERT_TRUE(axis->Home({}).ok());
+  EXPECT_GT(devices.motors[3]->Position() - devices.motors[1]->Position(), 1.5);
+}
+
+}  // namespace
+}  // namespace gonio
