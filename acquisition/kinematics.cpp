@@ -18,6 +18,10 @@ double PolarAngle(const Eigen::Vector3d& direction) {
   return std::atan2(std::hypot(direction.x(), direction.y()), direction.z());
 }
 
+double Azimuth(const Eigen::Vector3d& direction) {
+  return std::atan2(direction.y(), direction.x());
+}
+
 // `position` put inside the limits if only rounding took it out, else nullopt.
 std::optional<double> WithinLimits(double position, const AxisLimits& limits) {
   if (position < limits.min_position - kRounding || position > limits.max_position + kRounding) {
@@ -111,8 +115,7 @@ std::optional<ArmAngles> Kinematics::Inverse(const DirectionPair& pair,
           std::clamp(from[kCameraAzimuth], camera_limits.min_position, camera_limits.max_position));
     return best;
   }
-  const double difference = std::atan2(pair.wo.y(), pair.wo.x()) -  //
-                            std::atan2(pair.wi.y(), pair.wi.x());
+  const double difference = Azimuth(pair.wo) - Azimuth(pair.wi);
   for (const double mirrored : {difference, -difference}) {
     for (int turns = -3; turns <= 3; ++turns) {  // azimuths may span -360 .. 360 deg
       VisitAzimuths(mirrored + 2 * kPi * turns, light_limits, camera_limits, from, visit);

@@ -23,21 +23,23 @@ bool WholeFrame(const Frame& frame, const CameraInfo& info) {
          frame.counts.size() == static_cast<std::size_t>(info.width) * info.height * info.channels;
 }
 
+// How many channels are saturated.
+int Saturated(const Exposure& e) {
+  return static_cast<int>(std::count(e.saturated.begin(), e.saturated.end(), true));
+}
+
 // The longest exposure that saturated nothing: a good start for a similar pose.
 std::optional<Seconds> Suited(const std::vector<Exposure>& exposures) {
   std::optional<Seconds> suited;
   for (const Exposure& e : exposures) {
-    const bool clipped = std::find(e.saturated.begin(), e.saturated.end(), true) !=  //
-                         e.saturated.end();
-    if (!clipped && (!suited || e.frame.exposure > *suited)) suited = e.frame.exposure;
+    if (Saturated(e) == 0 && (!suited || e.frame.exposure > *suited)) suited = e.frame.exposure;
   }
   return suited;
 }
 
 bool AllSaturated(const std::vector<Exposure>& exposures) {
-  return std::all_of(exposures.begin(), exposures.end(), [](const Exposure& e) {
-    return std::find(e.saturated.begin(), e.saturated.end(), false) == e.saturated.end();
-  });
+  return std::all_of(exposures.begin(), exposures.end(),
+                     [](const Exposure& e) { return Saturated(e) == kChannels; });
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "acquisition/radiometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 

@@ -66,8 +66,8 @@ std::optional<Seconds> FastestOnRaster(const DirectionPair& pair, const ArmAngle
   const Kinematics kinematics(rig);
   const AxisLimits& light = rig.axes[kLightAzimuth];
   const AxisLimits& camera = rig.axes[kCameraAzimuth];
-  const double difference = std::atan2(pair.wo.y(), pair.wo.x()) -  //
-                            std::atan2(pair.wi.y(), pair.wi.x());
+  const auto azimuth = [](const Eigen::Vector3d& v) { return std::atan2(v.y(), v.x()); };
+  const double difference = azimuth(pair.wo) - azimuth(pair.wi);
   std::optional<Seconds> best;
   for (double a = light.min_position; a <= light.max_position; a += RadFromDeg(0.25)) {
     for (const double mirrored : {difference, -difference}) {

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <deque>
 
 #include "tests/acquisition/simulated_rig.h"
