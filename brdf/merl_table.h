@@ -48,7 +48,7 @@ class MerlTable final : public Brdf {
   static MerlTable FromFunction(std::string name, const BrdfFunction& f_r);
 
   // Whole or not at all; throws std::runtime_error. A table that was opened is written back byte
-  // for byte. Readers in the field (BRDFRead, ALTA, libbsdf) accept the file.
+  // for byte.
   void Write(const std::filesystem::path& path) const;
 
   // The angles at the middle of a cell, the middle of theta_h being that of sqrt(theta_h): cell h

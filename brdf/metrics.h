@@ -47,7 +47,7 @@ struct ErrorMetrics {
   int missing = 0;  // cells where the reference has a value and `other` none: left out of all means
 };
 
-// Evaluates both at cell centres; at most 1.1 million times, so about 0.3 s plus what Eval takes.
+// Evaluates both at cell centres; at most 1.1 million times, so about 0.1 s plus what Eval takes.
 ErrorMetrics Compare(const Brdf& reference, const Brdf& other, const MetricOptions& options = {});
 ErrorMetrics Compare(const Brdf& reference, const BrdfFunction& other,
                      const MetricOptions& options = {});

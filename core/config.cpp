@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -209,7 +210,7 @@ std::string ConfigNode::Text(std::string_view key) const {
 }
 
 std::string ConfigNode::TextOr(std::string_view key, std::string fallback) const {
-  return Has(key) ? Text(key) : fallback;
+  return Has(key) ? Text(key) : std::move(fallback);
 }
 
 std::string ConfigNode::Choice(std::string_view key, const std::vector<std::string>& names) const {
@@ -218,6 +219,17 @@ std::string ConfigNode::Choice(std::string_view key, const std::vector<std::stri
     Fail(key, fmt::format("is \"{}\", must be one of {}", text, fmt::join(names, ", ")));
   }
   return text;
+}
+
+std::vector<std::string> ConfigNode::Texts(std::string_view key) const {
+  const YAML::Node found = impl_->Require(key);
+  if (!found.IsSequence()) impl_->FailAt(found.Mark(), key, "must be a list");
+  std::vector<std::string> texts;
+  for (const auto& item : found) {
+    if (!item.IsScalar()) impl_->FailAt(item.Mark(), key, "must be a list of words");
+    texts.push_back(item.Scalar());
+  }
+  return texts;
 }
 
 std::vector<double> ConfigNode::Numbers(std::string_view key, std::size_t size, Range range) const {

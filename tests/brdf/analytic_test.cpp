@@ -55,10 +55,9 @@ INSTANTIATE_TEST_SUITE_P(Analytic, EveryMaterial, testing::ValuesIn(Materials())
 std::vector<DirectionPair> RandomPairs() {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> theta(0, kPi / 2), phi(-kPi, kPi);
-  std::vector<DirectionPair> pairs;
-  for (int i = 0; i < 2000; ++i) {
-    pairs.push_back(
-        {FromSpherical(theta(random), phi(random)), FromSpherical(theta(random), phi(random))});
+  std::vector<DirectionPair> pairs(2000);
+  for (DirectionPair& pair : pairs) {
+    pair = {FromSpherical(theta(random), phi(random)), FromSpherical(theta(random), phi(random))};
   }
   return pairs;
 }

@@ -17,12 +17,11 @@ using Eigen::Vector3d;
 // Pairs above the horizon all over the hemisphere, and the awkward ones: retro-reflection, mirror
 // directions, both nearly so, and grazing.
 std::vector<DirectionPair> Pairs() {
-  std::vector<DirectionPair> pairs;
+  std::vector<DirectionPair> pairs(500);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> theta(0, 1.57), phi(-kPi, kPi);
-  for (int i = 0; i < 500; ++i) {
-    pairs.push_back(
-        {FromSpherical(theta(random), phi(random)), FromSpherical(theta(random), phi(random))});
+  for (DirectionPair& pair : pairs) {
+    pair = {FromSpherical(theta(random), phi(random)), FromSpherical(theta(random), phi(random))};
   }
   for (const double t : {0.0, 1e-9, 0.3, 1.2, 1.5707}) {
     for (const double tiny : {0.0, 1e-12, 1e-9, 1e-6}) {

@@ -6,6 +6,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace gonio {
 namespace {
@@ -32,8 +33,12 @@ TEST(Result, HoldsTheErrorInstead) {
 }
 
 TEST(Result, CarriesWhatCanOnlyBeMoved) {
-  Result<std::unique_ptr<int>> result(std::make_unique<int>(5));
-  const std::unique_ptr<int> taken = std::move(result).value();
+  const auto box = [](int n) -> Result<std::unique_ptr<int>> {
+    if (n < 0) return Error{ErrorCode::kRefused, "is negative"};
+    return std::make_unique<int>(n);
+  };
+  Result<std::unique_ptr<int>> five = box(5);
+  const std::unique_ptr<int> taken = std::move(five).value();
   EXPECT_EQ(*taken, 5);
 }
 
