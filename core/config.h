@@ -58,6 +58,8 @@ class ConfigNode {
   std::string TextOr(std::string_view key, std::string fallback) const;
   // One of `names`, else the message lists them.
   std::string Choice(std::string_view key, const std::vector<std::string>& names) const;
+  // A list of words, which may be empty.
+  std::vector<std::string> Texts(std::string_view key) const;
   // A list of exactly `size` numbers (0: any length, but not empty).
   std::vector<double> Numbers(std::string_view key, std::size_t size = 0,
                               Range range = Range::Any()) const;

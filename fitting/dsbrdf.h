@@ -24,6 +24,13 @@ struct DsbrdfShape {
   }
 };
 
+inline constexpr int kMaxLobes = 5;
+inline constexpr int kMinKnots = 4;
+inline constexpr int kMaxKnots = 20;
+
+// Throws ConfigError "lobes: is 7, must be 1 to 5".
+void CheckShape(const DsbrdfShape& shape);
+
 // f_r of K Hemi-EPD lobes per channel (Nishino, "Directional Statistics BRDF Model", ICCV 2009;
 // Nishino & Lombardi, JOSA A 28(1), 2011), with the slices in theta_d replaced by splines:
 //

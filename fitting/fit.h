@@ -15,7 +15,19 @@
 
 namespace gonio {
 
-struct FitOptions {};
+struct FitOptions {
+  double floor = 0.03;        // 1/sr, > 0: the floor of the generalised log (fitting/posterior.h)
+  double huber = 1.0;         // > 0: residuals beyond this many sigma count linearly
+  double model_error = 0.03;  // > 0: first guess of the spread of log f_r no DSBRDF explains; then
+                              // estimated from the residuals
+  double model_error_weight = 100;  // >= 0: how many residuals the guess is worth
+  int max_iterations = 60;          // Gauss-Newton steps per minimisation, > 0
+  double tolerance = 1e-5;  // > 0: relative fall of the cost below which a step was the last
+  int start_samples = 500;  // poses the starts are compared on; the best goes on with all of them
+
+  // Throws ConfigError naming the option.
+  void Check() const;
+};
 
 // What happened; the numbers that did not work out are data.
 struct FitSummary {
@@ -27,6 +39,7 @@ struct FitSummary {
   int starts = 0;          // starts that were iterated
   double cost = 0;         // negative log posterior up to a constant
   double model_error = 0;  // estimated standard deviation of log f_r beyond the samples' sigma
+  double floor = 0;        // of the generalised log, 1/sr
 };
 
 struct Prediction {
@@ -59,6 +72,11 @@ class DsbrdfFit final : public Brdf {
 // Fits. Throws ConfigError if no sample is usable (all sigma infinite). Deterministic.
 DsbrdfFit FitDsbrdf(std::span<const BrdfSample> samples, const Prior& prior,
                     const FitOptions& options = {});
+
+// The same from one start, e.g. the parameters before the newest sample came in: cheap, and as good
+// as the start is near.
+DsbrdfFit RefitDsbrdf(std::span<const BrdfSample> samples, const Prior& prior,
+                      const FitOptions& options, const Eigen::VectorXd& start, double model_error);
 
 // FIT.yaml (docs/data-format.md), written atomically; reading throws ConfigError.
 void WriteFit(const std::filesystem::path& path, const DsbrdfFit& fit);

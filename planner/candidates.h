@@ -10,19 +10,31 @@
 
 namespace gonio {
 
-// One pose that may be measured, where it stands in the raster it came from.
+// One pose that may be measured, and where it stands in the raster it came from.
 struct Candidate {
   HalfDiff angles;
   DirectionPair directions;
-  int row = 0;     // theta_h index
-  int column = 0;  // theta_d index
+  int row = 0;           // theta_h index
+  int column = 0;        // theta_d index
+  double cell_area = 0;  // theta_h width x theta_d width of the raster cell [rad^2]
+};
+
+// Which phi_d a cell of the raster is measured at. A DSBRDF does not depend on phi_d, a material
+// may.
+enum class PhiChoice {
+  kAcross,  // 90 degrees everywhere: the two directions mirror each other across the half vector's
+            // plane of tilt; inside the horizon for every theta_h, theta_d
+  kSpread,  // a low-discrepancy sequence over [0, 180) degrees, so that neighbours differ: a fit
+            // then averages over phi_d; cells without room keep to where both polar angles are
+            // small enough
 };
 
 struct CandidateOptions {
-  int theta_h_count = 90;  // rows
-  int theta_d_count = 90;  // columns
-  // "merl": rows at the centres of MERL's cells, dense towards theta_h = 0; "uniform".
-  bool merl_spacing = true;
+  int theta_h_count = 90;    // rows, 1 .. 1000
+  int theta_d_count = 90;    // columns, 1 .. 1000
+  bool merl_spacing = true;  // rows dense towards theta_h = 0, as in a MERL table; else uniform
+  PhiChoice phi = PhiChoice::kSpread;
+  double max_polar = 1.4137167;  // rad (81 deg): spread phi_d keeps both directions within this
 };
 
 using Reachable = std::function<bool(const DirectionPair&)>;

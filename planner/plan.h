@@ -8,29 +8,40 @@
 #include <memory>
 #include <string>
 
-#include "fitting/fit.h"
-#include "fitting/prior.h"
 #include "planner/candidates.h"
+#include "planner/information_planner.h"
 #include "planner/planner.h"
+#include "planner/sequence_planner.h"
 
 namespace gonio {
 
-// A plan file such as configs/plan-information.yaml, checked.
+enum class PlannerKind { kGrid, kRandom, kInformation };
+
+// A plan file such as configs/plan-information.yaml, checked. docs/planning.md lists the keys.
 struct Plan {
-  std::string kind;  // "grid", "random", "information"
+  std::string name;
   std::string text;  // the file as it was read, frozen into the session
-  int max_poses = 0;
-  Prior prior;  // for the planner's own fit and for the session's final one
-  FitOptions fit;
+  PlannerKind kind = PlannerKind::kInformation;
+  int max_poses = 0;  // 0: no budget
   CandidateOptions candidates;
-  // ... more, private to the planner module
+  RasterOptions raster;            // kGrid; max_poses above is put into it
+  InformationOptions information;  // kInformation; max_poses above is put into it
+
+  // With what a session's samples are fitted in the end, whoever chose them.
+  Prior prior;
+  FitOptions fit;
 };
 
-// Throws ConfigError naming file, line and key.
+// Throws ConfigError naming file, line and key. A prior file is looked for beside the plan.
 Plan LoadPlan(const std::filesystem::path& path);
+// `name` stands for the file in messages, and relative prior files are looked for beside it.
 Plan ParsePlan(const std::string& text, const std::string& name);
 
-// Throws ConfigError if `reachable` leaves no candidate.
+// The prior a user names: "generic", or a prior file. `shape` is used by the generic one only.
+Prior OpenPrior(const std::string& name, const DsbrdfShape& shape);
+
+// The planner of a plan over the candidates `reachable` leaves. Throws ConfigError if it leaves
+// none. `seed` matters to random plans only.
 std::unique_ptr<Planner> MakePlanner(const Plan& plan, const Reachable& reachable,
                                      std::uint64_t seed);
 

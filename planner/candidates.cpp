@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "planner/candidates.h"
+
+#include <cmath>
+
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+bool Within(const HalfDiff& angles, double max_polar) {
+  double cos_i = 0;
+  double cos_o = 0;
+  Cosines(angles, &cos_i, &cos_o);
+  const double limit = std::cos(max_polar);
+  return cos_i >= limit && cos_o >= limit;
+}
+
+// The phi_d of cell (row, column): the next point of the additive recurrence with the plastic
+// number (M. Roberts' R2 sequence), moved towards 90 degrees until there is room above the horizon.
+double SpreadPhi(double theta_h, double theta_d, int row, int column, double max_polar) {
+  const double u = std::fmod(0.5 + 0.7548776662466927 * row + 0.5698402909980532 * column, 1.0);
+  constexpr int kSteps = 64;
+  for (int step = 0; step < kSteps; ++step) {
+    const double phi = kPi * (0.5 + (u - 0.5) * (1 - static_cast<double>(step) / kSteps));
+    if (Within({theta_h, theta_d, phi}, max_polar)) return phi;
+  }
+  return kPi / 2;
+}
+
+}  // namespace
+
+std::vector<Candidate> MakeCandidates(const CandidateOptions& options, const Reachable& reachable) {
+  const auto theta_h_at = [&](double row) {
+    const double u = row / options.theta_h_count;
+    return (options.merl_spacing ? u * u : u) * kPi / 2;
+  };
+  std::vector<Candidate> candidates;
+  for (int row = 0; row < options.theta_h_count; ++row) {
+    for (int column = 0; column < options.theta_d_count; ++column) {
+      Candidate candidate{.angles = {}, .directions = {}, .row = row, .column = column};
+      HalfDiff& angles = candidate.angles;
+      angles.theta_h = theta_h_at(row + 0.5);
+      angles.theta_d = (column + 0.5) / options.theta_d_count * kPi / 2;
+      angles.phi_d = options.phi == PhiChoice::kAcross ? kPi / 2
+                                                       : SpreadPhi(angles.theta_h, angles.theta_d,
+                                                                   row, column, options.max_polar);
+      candidate.directions = ToDirections(angles);
+      candidate.cell_area =
+          (theta_h_at(row + 1) - theta_h_at(row)) * kPi / 2 / options.theta_d_count;
+      if (!candidate.directions.above_horizon()) continue;
+      if (reachable && !reachable(candidate.directions)) continue;
+      candidates.push_back(candidate);
+    }
+  }
+  return candidates;
+}
+
+}  // namespace gonio
