@@ -126,6 +126,11 @@ TEST(ConfigNode, RefusesListsOfTheWrongShape) {
             "rig.yaml:1: a: must be a list of numbers");
 }
 
+TEST(ConfigNode, ReadsListsOfWords) {
+  EXPECT_THAT(Rig("a: [x, y z]").Texts("a"), ElementsAre("x", "y z"));
+  EXPECT_THAT(Rig("a: []").Texts("a"), testing::IsEmpty());
+}
+
 TEST(ConfigNode, RefusesMappingsOfTheWrongShape) {
   EXPECT_EQ(Complaint("a: 5", [](const ConfigNode& root) { root.Map("a"); }),
             "rig.yaml:1: a: must hold keys and values");
