@@ -57,7 +57,11 @@ Minimum Minimise(const Posterior& posterior, const Eigen::VectorXd& start, int m
 }
 
 Eigen::MatrixXd Inverse(const Eigen::MatrixXd& hessian) {
-  return hessian.llt().solve(Eigen::MatrixXd::Identity(hessian.rows(), hessian.cols()));
+  Eigen::MatrixXd inverse =
+      hessian.llt().solve(Eigen::MatrixXd::Identity(hessian.rows(), hessian.cols()));
+  // Symmetric to the last bit, as the file that holds its lower triangle is.
+  inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
+  return inverse;
 }
 
 // Minimises, lets the residuals speak about the model error, and minimises again with it. Two
