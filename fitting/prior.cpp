@@ -57,6 +57,16 @@ double CovarianceOf(const Belief& belief, double distance, bool same_channel) {
   return covariance;
 }
 
+// A name as a YAML string that means nothing but itself.
+std::string Quoted(const std::string& name) {
+  std::string quoted = "\"";
+  for (const char c : name) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
 }  // namespace
 
 Prior GenericPrior(const DsbrdfShape& shape) {
@@ -107,12 +117,12 @@ Prior ReadPrior(const std::filesystem::path& path) {
 }
 
 void WritePrior(const std::filesystem::path& path, const Prior& prior) {
-  const char* quote = prior.materials.empty() ? "" : "\"";
+  std::vector<std::string> materials;
+  for (const std::string& material : prior.materials) materials.push_back(Quoted(material));
   WriteFileAtomically(path, [&](std::ostream& out) {
     out << fmt::format(
-        "format: gonio-prior\nversion: 1\nname: {}\nlobes: {}\nknots: {}\nmaterials: [{}{}{}]\n",
-        prior.name, prior.shape.lobes, prior.shape.knots, quote,
-        fmt::join(prior.materials, "\", \""), quote);
+        "format: gonio-prior\nversion: 1\nname: {}\nlobes: {}\nknots: {}\nmaterials: [{}]\n",
+        Quoted(prior.name), prior.shape.lobes, prior.shape.knots, fmt::join(materials, ", "));
     WriteNumbers(out, "mean", prior.mean);
     WriteNumbers(out, "covariance_lower", LowerOf(prior.covariance));
   });
