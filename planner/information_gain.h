@@ -26,7 +26,7 @@ struct GainOptions {
   double relative_noise = 0.015;  // > 0: relative sigma expected of a reading
   // How far the part of log f_r that no DSBRDF explains reaches, on the unit square of
   // (sqrt(theta_h / 90 deg), theta_d / 90 deg): nearer readings repeat it. > 0.
-  double repeat_length = 0.03;
+  double repeat_length = 0.02;
 };
 
 // The state of knowledge, as far as a planner needs it.
