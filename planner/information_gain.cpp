@@ -190,6 +190,7 @@ GainScores InformationGain::Evaluate(const DsbrdfFit& fit, const std::vector<int
   GainScores scores{.gain = Eigen::VectorXd::Zero(at.f.cols())};
   double variance = 0;
   const Eigen::MatrixXd objective = ObjectiveMatrix(fit, at, &variance, &scores.predicted_error);
+  if (!(variance > 0)) return scores;  // no candidate counts: nothing to gain
   const Eigen::MatrixXd taught = fit.covariance() * objective * fit.covariance();
   const double model_variance = fit.summary().model_error * fit.summary().model_error;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
