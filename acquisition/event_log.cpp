@@ -92,6 +92,7 @@ void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
   put("rig_name", info.rig_name);
   put("rig_text", info.rig_text);
   put("rig_sha256", Sha256(info.rig_text));
+  put("plan_path", info.plan_path);
   put("plan_text", info.plan_text);
   put("plan_sha256", Sha256(info.plan_text));
   put("prior_name", info.prior_name);

@@ -28,13 +28,14 @@ struct SessionInfo {
   std::string gonio_version;
   std::string created_utc;  // "2024-05-01T12:00:00Z"; filled in by Create() if empty
   std::uint64_t seed = 0;
-  int max_poses = 0;  // limit on top of the plan's; 0: none
+  int max_poses = 0;  // in place of the plan's; 0: the plan's
   std::string rig_name;
   std::string rig_text;   // the rig file as it was read
+  std::string plan_path;  // absolute: prior files named in a plan stand beside it
   std::string plan_text;  // the plan file as it was read
   std::string prior_name;
   std::string prior_spec;       // empty: the plan's; "generic"; or a prior file's absolute path
-  std::string prior_sha256;     // of that file
+  std::string prior_sha256;     // of its numbers
   std::string material_path;    // the simulated sample's file, absolute; empty for a real sample
   std::string material_sha256;  // of that file
   std::map<std::string, std::string> devices;  // role -> identity, e.g. "camera" -> "sim-camera"

@@ -54,6 +54,7 @@ SessionInfo ReadInfo(sqlite::Database& db) {
   info.max_poses = NumberOf<int>(meta["max_poses"]);
   info.rig_name = meta["rig_name"];
   info.rig_text = meta["rig_text"];
+  info.plan_path = meta["plan_path"];
   info.plan_text = meta["plan_text"];
   info.prior_name = meta["prior_name"];
   info.prior_spec = meta["prior_spec"];

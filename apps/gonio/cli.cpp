@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/gonio/cli.h"
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <memory>
+
+#include "apps/gonio/commands.h"
+#include "core/error.h"
+
+namespace gonio {
+namespace {
+
+using Action = std::function<int()>;
+
+constexpr const char* kPrior = "\"generic\" or a prior file";
+
+Action SetUpRun(CLI::App& app) {
+  auto o = std::make_shared<RunOptions>();
+  app.add_option("--rig", o->rig, "Rig file")->capture_default_str();
+  app.add_option("--plan", o->plan, "Plan file")->capture_default_str();
+  app.add_option("--material", o->material,
+                 "What a simulated rig measures: a MERL .binary or a material .yaml");
+  app.add_option("--out", o->out, "Directory to make for the session; must not exist")->required();
+  app.add_option("--max-poses", o->max_poses, "Budget of poses (default: the plan's)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", o->seed, "Of the planner and of the simulated noise")
+      ->capture_default_str();
+  app.add_option("--prior", o->prior, std::string(kPrior) + " (default: the plan's)");
+  app.add_flag("--quiet", o->quiet, "No progress, only the summary");
+  return [o] { return RunCommand(*o); };
+}
+
+Action SetUpFit(CLI::App& app) {
+  auto o = std::make_shared<FitCommandOptions>();
+  app.add_option("input", o->input, "A MERL .binary, samples .csv, or a session directory")
+      ->required();
+  app.add_option("--out", o->out, "Fit file to write (.yaml)")->required();
+  app.add_option("--lobes", o->lobes, "Lobes per channel (default: the prior's, or 3)")
+      ->check(CLI::Range(1, 5));
+  app.add_option("--prior", o->prior, kPrior)->capture_default_str();
+  return [o] { return FitCommand(*o); };
+}
+
+Action SetUpExport(CLI::App& app) {
+  auto o = std::make_shared<ExportOptions>();
+  app.add_option("input", o->input, "A session directory or a fit file")->required();
+  app.add_option("--to", o->format, "merl: the full table from the fit; csv: the samples")
+      ->required()
+      ->check(CLI::IsMember({"merl", "csv"}));
+  app.add_option("output", o->out, "File to write")->required();
+  return [o] { return ExportCommand(*o); };
+}
+
+Action SetUpCompare(CLI::App& app) {
+  auto o = std::make_shared<CompareOptions>();
+  constexpr const char* kKinds = ": .binary, material .yaml, fit .yaml or session directory";
+  app.add_option("reference", o->reference, std::string("The truth") + kKinds)->required();
+  app.add_option("other", o->other, std::string("What is judged") + kKinds)->required();
+  app.add_option("--json", o->json, "Write the metrics to this file, too (\"-\": standard output)");
+  app.add_option("--max-theta-deg", o->max_theta_deg, "Leave out directions nearer the horizon")
+      ->check(CLI::Range(1.0, 90.0))
+      ->capture_default_str();
+  app.add_option("--phi-stride", o->phi_stride, "Look at every n-th phi_d cell only")
+      ->check(CLI::Range(1, 180))
+      ->capture_default_str();
+  return [o] { return CompareCommand(*o); };
+}
+
+Action SetUpSimulate(CLI::App& app) {
+  auto o = std::make_shared<SimulateOptions>();
+  app.add_option("--rig", o->rig, "Rig file; must be simulated")->capture_default_str();
+  app.add_option("--plan", o->plans, "Plan files")->required();
+  app.add_option("--material", o->materials, "Materials: MERL .binary or material .yaml")
+      ->required();
+  app.add_option("--prior", o->prior, std::string(kPrior) + " (default: each plan's)");
+  app.add_option("--max-poses", o->max_poses, "Budget of poses (default: each plan's)")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--seed", o->seed, "The first seed")->capture_default_str();
+  app.add_option("--seeds", o->seeds, "Repeat with so many seeds; the table shows means")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--json", o->json,
+                 "Write every session's numbers to this file, too (\"-\": standard output)");
+  app.add_flag("--quiet", o->quiet, "No progress, only the table");
+  return [o] { return SimulateCommand(*o); };
+}
+
+Action SetUpReport(CLI::App& app) {
+  auto o = std::make_shared<ReportOptions>();
+  app.add_option("session", o->session, "A session directory")->required();
+  app.add_option("--out", o->out, "Page to write (default: report.html in the session)");
+  return [o] { return ReportCommand(*o); };
+}
+
+struct Command {
+  const char* name;
+  const char* help;
+  Action (*set_up)(CLI::App&);
+};
+
+constexpr Command kCommands[] = {
+    {"run", "Measure a sample: run a session and fit it", SetUpRun},
+    {"fit", "Fit a table, samples or a session again", SetUpFit},
+    {"export", "Turn a session or a fit into other people's formats", SetUpExport},
+    {"compare", "How far one reflectance is from another", SetUpCompare},
+    {"simulate", "What plans would cost and bring on a rig; keeps no session", SetUpSimulate},
+    {"report", "Show a session as one HTML page with pictures (needs gnuplot)", SetUpReport},
+};
+
+constexpr const char* kFooter =
+    "Rig, plan and material files without a folder are also looked for among the configurations\n"
+    "that gonio comes with (GONIO_CONFIG_DIR names another place).\n\n"
+    "Exit codes: 0 done, 1 failed at run time, 2 command line, configuration or input file,\n"
+    "3 stopped by the user, 4 device fault.";
+
+}  // namespace
+
+int RunCommandLine(int argc, char** argv) {
+  CLI::App app("Measures reflectance with a gonioreflectometer that chooses its own poses.",
+               "gonio");
+  app.set_version_flag("--version", std::string("gonio ") + GONIO_VERSION);
+  app.footer(kFooter);
+  Action chosen;
+  for (const Command& command : kCommands) {
+    CLI::App* sub = app.add_subcommand(command.name, command.help);
+    Action action = command.set_up(*sub);
+    sub->callback([&chosen, action] { chosen = action; });
+  }
+  if (argc < 2) throw ConfigError("a command is needed; see gonio --help");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == 0) return app.exit(e);  // help and version: prints
+    throw ConfigError(std::string(e.what()) + "; see gonio --help");
+  }
+  if (!chosen) throw ConfigError("a command is needed; see gonio --help");
+  return chosen();
+}
+
+}  // namespace gonio

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+// gonio run: a session, its fit, and what both were worth.
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+
+#include "acquisition/event_log.h"
+#include "acquisition/kinematics.h"
+#include "acquisition/session.h"
+#include "acquisition/sha256.h"
+#include "acquisition/time_estimate.h"
+#include "apps/gonio/build_rig.h"
+#include "apps/gonio/commands.h"
+#include "apps/gonio/interrupt.h"
+#include "apps/gonio/locate.h"
+#include "apps/gonio/open_any.h"
+#include "apps/gonio/progress.h"
+#include "apps/gonio/summary.h"
+#include "core/error.h"
+#include "fitting/fit.h"
+#include "planner/plan.h"
+
+namespace gonio {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Everything that is read and checked before a directory is made or an axis moves.
+struct Setup {
+  RigFile rig;
+  fs::path plan_path;
+  Plan plan;
+  fs::path material_path;
+  std::unique_ptr<Brdf> material;
+  std::unique_ptr<Planner> planner;
+};
+
+Setup Prepare(const RunOptions& options) {
+  Setup setup;
+  setup.rig = LoadRig(LocateConfig(options.rig));
+  setup.plan_path = LocateConfig(options.plan);
+  setup.plan = LoadPlan(setup.plan_path);
+  if (options.max_poses > 0) setup.plan.max_poses = options.max_poses;
+  if (!options.prior.empty()) {
+    setup.plan.prior = OpenPrior(options.prior, setup.plan.prior.shape);
+  }
+  setup.material_path =
+      LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);
+  setup.material = OpenAny(setup.material_path);
+  const Kinematics kinematics(setup.rig.config);
+  setup.planner = MakePlanner(
+      setup.plan, [&](const DirectionPair& pair) { return kinematics.Reachable(pair); },
+      options.seed);
+  return setup;
+}
+
+SessionInfo Describe(const RunOptions& options, const Setup& setup, const Devices& devices) {
+  SessionInfo info;
+  info.gonio_version = GONIO_VERSION;
+  info.seed = options.seed;
+  info.max_poses = options.max_poses;
+  info.rig_name = setup.rig.config.name;
+  info.rig_text = setup.rig.config.text;
+  info.plan_path = fs::absolute(setup.plan_path).string();
+  info.plan_text = setup.plan.text;
+  info.prior_name = setup.plan.prior.name;
+  info.prior_spec = options.prior;
+  if (!options.prior.empty() && options.prior != "generic") {
+    info.prior_spec = fs::absolute(options.prior).string();
+  }
+  info.prior_sha256 = HashOf(setup.plan.prior);
+  info.material_path = fs::absolute(setup.material_path).string();
+  if (fs::is_regular_file(setup.material_path)) {
+    info.material_sha256 = Sha256OfFile(setup.material_path);
+  }
+  for (int i = 0; i < kAxes; ++i) info.devices[kAxisNames[i]] = devices.axes[i]->name();
+  info.devices["camera"] = devices.camera->name();
+  info.devices["light"] = devices.light->name();
+  info.devices["monitor"] = devices.monitor->name();
+  return info;
+}
+
+void PrintSession(const SessionSummary& s) {
+  fmt::print("session          {}: {}\n", ToString(s.outcome), s.reason);
+  fmt::print("poses            {} measured with {} frames, {} refused\n", s.poses.size(), s.frames,
+             s.rejected);
+  fmt::print("time on the rig  {} (homing {}, moving {}, exposing {})\n", ForPeople(s.duration),
+             ForPeople(s.preparation), ForPeople(s.travel), ForPeople(s.exposing));
+  if (s.predicted_error) fmt::print("predicted error  {:.5f}\n", *s.predicted_error);
+}
+
+// What the same instrument would need for a dense scan, at this session's mean exposure.
+void PrintDense(const SessionSummary& s, const RigConfig& rig) {
+  const Seconds exposure = s.exposing / s.frames - rig.camera.readout;
+  const TimeEstimate dense = EstimateDenseScan(rig, exposure);
+  fmt::print("dense scan       {} for {} poses: {:.1f} times as long\n", ForPeople(dense.total()),
+             dense.poses, dense.total() / s.duration);
+}
+
+// What went wrong is for standard error; what was measured is safe either way.
+void ReportFault(const SessionSummary& summary, const fs::path& out) {
+  if (summary.outcome != SessionOutcome::kDeviceFault &&
+      summary.outcome != SessionOutcome::kStorageFailed) {
+    return;
+  }
+  fmt::print(stderr, "gonio: {} ({} poses are safe in {})\n", summary.reason, summary.poses.size(),
+             out.string());
+}
+
+void FitAndPrint(const SessionSummary& summary, const Setup& setup, const fs::path& out) {
+  try {
+    const DsbrdfFit fit = FitDsbrdf(summary.Samples(), setup.plan.prior, setup.plan.fit);
+    WriteFit(out / kFitFile, fit);
+    PrintFit(fit, setup.plan.prior);
+    PrintMale(*setup.material, fit, "the material's file");
+  } catch (const ConfigError& e) {
+    // Not the user's configuration: the measurement gave nothing to fit.
+    throw std::runtime_error(
+        fmt::format("{}: measured, but cannot be fitted: {}", out.string(), e.what()));
+  }
+  PrintDense(summary, setup.rig.config);
+}
+
+}  // namespace
+
+int RunCommand(const RunOptions& options) {
+  if (fs::exists(fs::symlink_status(options.out))) {
+    throw ConfigError(options.out.string() +
+                      ": exists already; a session never reuses a directory, name another");
+  }
+  const Setup setup = Prepare(options);
+  OpenedRig rig = OpenRig(setup.rig, *setup.material, options.seed);
+  EventLog log = EventLog::Create(options.out, Describe(options, setup, rig.devices));
+
+  SessionSummary summary;
+  {
+    const Interrupt interrupt;
+    ProgressLine line("measuring", options.quiet);
+    summary = RunSession({setup.rig.config, rig.devices, *rig.clock, *setup.planner, &log}, {},
+                         {.after_pose = interrupt.after_pose(), .now = interrupt.now()},
+                         [&](const Progress& progress) { line.Show(progress); });
+  }
+  ReportFault(summary, options.out);
+  const int code = ExitCodeOf(summary.outcome);
+  // A full disk has no room for a fit either; the samples can be fitted later.
+  if (summary.outcome == SessionOutcome::kStorageFailed) return code;
+  PrintSession(summary);
+  if (!summary.poses.empty()) FitAndPrint(summary, setup, options.out);
+  fmt::print("wrote            {}\n", options.out.string());
+  return code;
+}
+
+}  // namespace gonio

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/gonio/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <thread>
+
+#include "apps/gonio/commands.h"
+
+namespace gonio {
+
+MetricOptions AllCores() {
+  MetricOptions options;
+  options.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  return options;
+}
+
+void PrintFit(const DsbrdfFit& fit, const Prior& prior) {
+  const FitSummary& s = fit.summary();
+  const DsbrdfShape& shape = fit.model().shape();
+  fmt::print("fit              {} lobes x {} knots, {} poses, {} readings, prior \"{}\"\n",
+             shape.lobes, shape.knots, s.samples, s.residuals, prior.name);
+  fmt::print("                 {}: {} after {} steps; model error {:.1f} %\n",
+             s.converged ? "converged" : "NOT CONVERGED", s.reason, s.iterations,
+             100 * s.model_error);
+}
+
+double PrintMale(const Brdf& truth, const Brdf& fit, const std::string& what) {
+  const ErrorMetrics metrics = Compare(truth, fit, AllCores());
+  fmt::print("MALE             {:.4g} against {}\n", metrics.male, what);
+  return metrics.male;
+}
+
+int ExitCodeOf(SessionOutcome outcome) {
+  switch (outcome) {
+    case SessionOutcome::kComplete:
+      return kDone;
+    case SessionOutcome::kStopped:
+      return kStoppedByUser;
+    case SessionOutcome::kDeviceFault:
+      return kDeviceFaultExit;
+    case SessionOutcome::kStorageFailed:
+      return kFailed;
+  }
+  return kFailed;
+}
+
+}  // namespace gonio

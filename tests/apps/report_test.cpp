@@ -1,0 +1,164 @@
+// SPDX-License-Identifier: Apache-2.0
+// gonio report: the page, and what happens when it cannot be made.
+
+#include <regex>
+#include <set>
+
+#include "tests/apps/gonio_process.h"
+
+namespace gonio {
+namespace {
+
+using testing::AllOf;
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+// Every match of the first group of `pattern`, in order.
+std::vector<std::string> All(const std::string& text, const std::string& pattern) {
+  const std::regex regex(pattern);
+  std::vector<std::string> found;
+  for (std::sregex_iterator it(text.begin(), text.end(), regex), end; it != end; ++it) {
+    found.push_back((*it)[1]);
+  }
+  return found;
+}
+
+class Report : public GonioTest {
+ protected:
+  void Run(const std::string& arguments) { Expect("run --quiet --out s " + arguments); }
+  std::string Page(const std::string& name = "s/report.html") {
+    return ReadTextFile(work() / name);
+  }
+};
+
+TEST_F(Report, ShowsWhatWasMeasuredHowGoodItIsAndWhatItSaved) {
+  Run("--max-poses 14");
+  EXPECT_THAT(Expect("report s").out, HasSubstr("s/report.html"));
+  const std::string page = Page();
+  EXPECT_THAT(
+      All(page, "<section id=\"([a-z]+)\""),
+      ElementsAre("session", "poses", "slices", "error", "time", "lobes", "samples", "identities"));
+  EXPECT_THAT(All(page, "<svg role=\"(img)\"").size(), 8);
+  EXPECT_THAT(
+      page, AllOf(HasSubstr("satin paint"), HasSubstr("error (MALE)"), HasSubstr("expected error"),
+                  HasSubstr("of a dense scan"), HasSubstr("of the time saved"),
+                  HasSubstr("complete: pose limit reached"), HasSubstr("Rig file, SHA-256")));
+  EXPECT_THAT(page, Not(AnyOf(HasSubstr("nan"), HasSubstr("NaN"), HasSubstr(">inf"))));
+  EXPECT_EQ(All(page, "<tr><td>([0-9]+)</td><td class=\"text\">").size(), 14u);
+}
+
+TEST_F(Report, IsOneFileThatNeedsNothingElse) {
+  Run("--max-poses 10");
+  Expect("report s --out page.html");
+  const std::string page = Page("page.html");
+  EXPECT_THAT(page, AllOf(Not(HasSubstr("<script")), Not(HasSubstr("<link")),
+                          Not(HasSubstr("<img")), Not(HasSubstr("@import"))));
+  for (const std::string& attribute : All(page, "([a-z:]+=[\"']?https?://)")) {
+    EXPECT_THAT(attribute, testing::StartsWith("xmlns"));
+  }
+  for (const std::string& reference : All(page, "href=[\"']([^\"']*)")) {
+    EXPECT_THAT(reference, testing::StartsWith("#"));
+  }
+}
+
+TEST_F(Report, GivesEveryIdOnceAndRefersToNoOther) {
+  Run("--max-poses 10");
+  Expect("report s");
+  const std::string page = Page();
+  const std::vector<std::string> ids = All(page, "[ \n]id=[\"']([^\"']*)");
+  const std::set<std::string> unique(ids.begin(), ids.end());
+  EXPECT_GT(ids.size(), 50u);
+  EXPECT_EQ(ids.size(), unique.size());
+  for (const std::string& to : All(page, "(?:href=[\"']|url\\()#([^\"')]*)")) {
+    EXPECT_THAT(unique, Contains(to));
+  }
+}
+
+TEST_F(Report, IsTheSameEveryTime) {
+  Run("--max-poses 10");
+  Expect("report s --out a.html");
+  Expect("report s --out b.html");
+  EXPECT_EQ(Page("a.html"), Page("b.html"));
+}
+
+TEST_F(Report, ShowsOtherPlansAndMaterialsToo) {
+  Run("--plan plan-random.yaml --material retro-cloth.yaml --max-poses 10 --seed 3");
+  Expect("report s");
+  EXPECT_THAT(Page(), AllOf(HasSubstr("random plan"), HasSubstr("seed 3"),
+                            Not(HasSubstr("expected error")), HasSubstr("error (MALE)")));
+}
+
+TEST_F(Report, SaysThatTheTruthHasMoved) {
+  File("m.yaml", Config("materials/satin-paint.yaml"));
+  Run("--material m.yaml --max-poses 10");
+  std::filesystem::remove(work() / "m.yaml");
+  Expect("report s");
+  EXPECT_THAT(Page(), AllOf(HasSubstr("Truth not available: "), HasSubstr("m.yaml"),
+                            Not(HasSubstr("error (MALE)")), HasSubstr("id=\"slices\"")));
+  File("m.yaml", Config("materials/glossy-plastic.yaml"));
+  Expect("report s");
+  EXPECT_THAT(Page(),
+              AllOf(HasSubstr("has changed since the session"), Not(HasSubstr("error (MALE)"))));
+}
+
+TEST_F(Report, ShowsAnInterruptedSessionAsFarAsItGot) {
+  const Finished finished = Shell(
+      "\"$GONIO\" run --plan plan-grid.yaml --quiet --out s & pid=$!\n"
+      "while ! test -s s/session.sqlite-wal; do sleep 0.02; done; sleep 0.3\n"
+      "kill -KILL $pid; wait $pid; true");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  Expect("report s");
+  EXPECT_THAT(Page(), HasSubstr("The session has not ended in its log"));
+}
+
+TEST_F(Report, ShowsRefusedPosesWithTheirReasons) {
+  // A mirror's peak saturates a camera that cannot expose for less than a second.
+  File("rig.yaml", With(Config("sim-rig.yaml"), "min_exposure_s: 20.0e-6", "min_exposure_s: 1"));
+  File("mirror.yaml",
+       "version: 1\nname: <mirror & co>\nlayers:\n  - kind: ggx\n    roughness: 0.05\n"
+       "    f0: [0.9, 0.9, 0.9]\n");
+  Run("--rig rig.yaml --material mirror.yaml --max-poses 12");
+  Expect("report s");
+  EXPECT_THAT(Page(), AllOf(HasSubstr("id=\"refused\""), HasSubstr("saturated at the shortest"),
+                            HasSubstr("refused; see the list"),
+                            HasSubstr("&lt;mirror &amp; co&gt;"), Not(HasSubstr("<mirror"))));
+}
+
+TEST_F(Report, RefusesWhatIsNoSession) {
+  ExpectRefused(Gonio("report nowhere"), 2, {"nowhere", "is not a session"});
+  std::filesystem::create_directory(work() / "empty");
+  ExpectRefused(Gonio("report empty"), 2, {"empty", "is not a session"});
+  EXPECT_THAT(Files(), ElementsAre("empty"));
+}
+
+TEST_F(Report, SaysWhatToInstallWhenGnuplotIsMissing) {
+  Run("--max-poses 3");
+  std::filesystem::create_directory(work() / "bin");
+  ExpectRefused(Shell("PATH=$PWD/bin \"$GONIO\" report s --out page.html"), 1,
+                {"gnuplot not found: apt install gnuplot-nox"});
+  EXPECT_THAT(Files(), ElementsAre("bin", "s"));
+}
+
+TEST_F(Report, LeavesNothingBehindWhenGnuplotFails) {
+  Run("--max-poses 3");
+  std::filesystem::create_directory(work() / "bin");
+  const auto gnuplot =
+      File("bin/gnuplot", "#!/bin/sh\necho '\"-\" line 3: no such font' >&2\nexit 1\n");
+  std::filesystem::permissions(gnuplot, std::filesystem::perms::owner_all);
+  ExpectRefused(Shell("PATH=$PWD/bin \"$GONIO\" report s --out page.html"), 1,
+                {"gnuplot: \"-\" line 3: no such font"});
+  File("bin/gnuplot", "#!/bin/sh\nexit 0\n");
+  ExpectRefused(Shell("PATH=$PWD/bin \"$GONIO\" report s --out page.html"), 1,
+                {"gnuplot: drew no picture"});
+  EXPECT_THAT(Files(), ElementsAre("bin", "s"));
+}
+
+TEST_F(Report, RefusesAPageThatCannotBeWritten) {
+  Run("--max-poses 3");
+  ExpectRefused(Gonio("report s --out no/such/folder/page.html"), 1, {"cannot write"});
+}
+
+}  // namespace
+}  // namespace gonio
