@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -48,7 +49,9 @@ Minimum Minimise(const Posterior& posterior, const Eigen::VectorXd& start, int m
       continue;
     }
     now.parameters += step;
-    now.converged = fall < tolerance * (1 + now.cost);
+    // A step that overshot may fall by next to nothing far from the minimum: expected tells.
+    const double enough = tolerance * (1 + now.cost);
+    now.converged = fall < enough && expected < 10 * enough;
     now.cost = posterior.Linearise(now.parameters, &gradient, &now.hessian);
     damping *= std::max(1.0 / 3, 1 - std::pow(2 * fall / expected - 1, 3));
     growth = 2;
