@@ -7,9 +7,9 @@
 #include <ceres/ceres.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -42,14 +42,14 @@ class ReadingCost final : public ceres::CostFunction {
     double f = 0;
     std::array<double, 2 * kMaxLobes> slope{};  // of f with log kappa, log gamma of each lobe
     for (int k = 0; k < shape_.lobes; ++k) {
-      const double kappa = std::exp(Spline(parameters[0] + 2 * k * shape_.knots));
-      const double exponent =
-          log_cos_ * std::exp(Spline(parameters[0] + (2 * k + 1) * shape_.knots));
-      const double x = kappa * std::exp(exponent);
+      const Logarithm log_kappa = Spline(parameters[0] + 2 * k * shape_.knots, -14, 2.77);
+      const Logarithm log_gamma = Spline(parameters[0] + (2 * k + 1) * shape_.knots, -4.6, 10.8);
+      const double exponent = log_cos_ * std::exp(log_gamma.number);
+      const double x = std::exp(log_kappa.number + exponent);
       const double rise = std::expm1(x);
       f += rise;
-      slope[2 * k] = (rise + 1) * x;
-      slope[2 * k + 1] = slope[2 * k] * exponent;
+      slope[2 * k] = log_kappa.held ? 0 : (rise + 1) * x;
+      slope[2 * k + 1] = log_gamma.held ? 0 : (rise + 1) * x * exponent;
     }
     residuals[0] = (glog_ - std::asinh(f / (2 * floor_))) / s_;
     if (!derive) return true;
@@ -64,10 +64,16 @@ class ReadingCost final : public ceres::CostFunction {
   }
 
  private:
-  double Spline(const double* coefficients) const {
+  struct Logarithm {
+    double number;
+    bool held;  // at its bound
+  };
+
+  // With the bounds of fitting/slice.cpp; without them Ceres finds other minima, at gamma = 1e-4.
+  Logarithm Spline(const double* coefficients, double min, double max) const {
     double sum = 0;
     for (int j = 0; j < 4; ++j) sum += basis_.weight[j] * coefficients[basis_.first + j];
-    return sum;
+    return {std::clamp(sum, min, max), sum < min || sum > max};
   }
 
   DsbrdfShape shape_;

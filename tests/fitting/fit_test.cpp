@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +11,7 @@
 #include "brdf/analytic.h"
 #include "core/error.h"
 #include "fitting/posterior.h"
+#include "fitting/starts.h"
 #include "tests/core/temp_dir.h"
 #include "tests/fitting/synthetic.h"
 
@@ -183,6 +185,25 @@ TEST(FitDsbrdf, LearnsAnUnmeasuredChannelFromTheOthers) {
   const Prediction prediction = fit.Predict(ToHalfDiff(samples[0].directions));
   EXPECT_GT(prediction.sigma[1], 3 * prediction.sigma[0]);
   EXPECT_TRUE(prediction.f_r.isFinite().all());
+}
+
+TEST(RefitDsbrdf, IsAtAMinimumWhenItSaysSo) {
+  const Prior prior = GenericPrior();
+  const FitOptions options;
+  const std::vector<BrdfSample> samples = Readings(Paint(), 300, 0.01, 1);
+  const Posterior posterior(
+      samples, prior,
+      {.floor = options.floor, .huber = options.huber, .model_error = options.model_error});
+  for (const Eigen::VectorXd& start : FitStarts(samples, prior)) {
+    const DsbrdfFit fit = RefitDsbrdf(samples, prior, options, start, options.model_error);
+    if (!fit.summary().converged) continue;
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd hessian;
+    const double cost = posterior.Linearise(fit.model().parameters(), &gradient, &hessian);
+    EXPECT_NEAR(cost, fit.summary().cost, 1e-9 * cost);
+    // By how much a full Gauss-Newton step would lower the cost.
+    EXPECT_LT(0.5 * gradient.dot(hessian.llt().solve(gradient)), 1e-3 * (1 + cost));
+  }
 }
 
 TEST(RefitDsbrdf, FindsFromNearbyWhatAllStartsFind) {
