@@ -9,11 +9,10 @@
 namespace gonio {
 namespace {
 
-using testing::AllOf;
 using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::Not;
+using testing::IsEmpty;
 
 // Every match of the first group of `pattern`, in order.
 std::vector<std::string> All(const std::string& text, const std::string& pattern) {
@@ -23,6 +22,15 @@ std::vector<std::string> All(const std::string& text, const std::string& pattern
     found.push_back((*it)[1]);
   }
   return found;
+}
+
+// Those of `words` that a page, which is too long to print, does not hold.
+std::vector<std::string> Missing(const std::string& page, const std::vector<std::string>& words) {
+  std::vector<std::string> missing;
+  for (const std::string& word : words) {
+    if (page.find(word) == std::string::npos) missing.push_back(word);
+  }
+  return missing;
 }
 
 class Report : public GonioTest {
@@ -40,12 +48,13 @@ TEST_F(Report, ShowsWhatWasMeasuredHowGoodItIsAndWhatItSaved) {
   EXPECT_THAT(
       All(page, "<section id=\"([a-z]+)\""),
       ElementsAre("session", "poses", "slices", "error", "time", "lobes", "samples", "identities"));
-  EXPECT_THAT(All(page, "<svg role=\"(img)\"").size(), 8);
-  EXPECT_THAT(
-      page, AllOf(HasSubstr("satin paint"), HasSubstr("error (MALE)"), HasSubstr("expected error"),
-                  HasSubstr("of a dense scan"), HasSubstr("of the time saved"),
-                  HasSubstr("complete: pose limit reached"), HasSubstr("Rig file, SHA-256")));
-  EXPECT_THAT(page, Not(AnyOf(HasSubstr("nan"), HasSubstr("NaN"), HasSubstr(">inf"))));
+  EXPECT_EQ(All(page, "<svg role=\"(img)\"").size(), 8u);
+  EXPECT_THAT(Missing(page, {"satin paint", "error (MALE)", "expected error", "of a dense scan",
+                             "of the time saved", "complete: pose", "Nothing unusual",
+                             "Rig file, SHA-256"}),
+              IsEmpty());
+  const std::vector<std::string> unwanted = {">nan", ">inf<", "NaN", "<title>gnuplot"};
+  EXPECT_EQ(Missing(page, unwanted), unwanted);
   EXPECT_EQ(All(page, "<tr><td>([0-9]+)</td><td class=\"text\">").size(), 14u);
 }
 
@@ -53,8 +62,8 @@ TEST_F(Report, IsOneFileThatNeedsNothingElse) {
   Run("--max-poses 10");
   Expect("report s --out page.html");
   const std::string page = Page("page.html");
-  EXPECT_THAT(page, AllOf(Not(HasSubstr("<script")), Not(HasSubstr("<link")),
-                          Not(HasSubstr("<img")), Not(HasSubstr("@import"))));
+  const std::vector<std::string> unwanted = {"<script", "<link", "<img", "<image", "@import"};
+  EXPECT_EQ(Missing(page, unwanted), unwanted);
   for (const std::string& attribute : All(page, "([a-z:]+=[\"']?https?://)")) {
     EXPECT_THAT(attribute, testing::StartsWith("xmlns"));
   }
@@ -86,8 +95,9 @@ TEST_F(Report, IsTheSameEveryTime) {
 TEST_F(Report, ShowsOtherPlansAndMaterialsToo) {
   Run("--plan plan-random.yaml --material retro-cloth.yaml --max-poses 10 --seed 3");
   Expect("report s");
-  EXPECT_THAT(Page(), AllOf(HasSubstr("random plan"), HasSubstr("seed 3"),
-                            Not(HasSubstr("expected error")), HasSubstr("error (MALE)")));
+  EXPECT_THAT(
+      Missing(Page(), {"retro cloth", "random plan", "seed 3", "error (MALE)", "expected error"}),
+      ElementsAre("expected error"));
 }
 
 TEST_F(Report, SaysThatTheTruthHasMoved) {
@@ -95,12 +105,12 @@ TEST_F(Report, SaysThatTheTruthHasMoved) {
   Run("--material m.yaml --max-poses 10");
   std::filesystem::remove(work() / "m.yaml");
   Expect("report s");
-  EXPECT_THAT(Page(), AllOf(HasSubstr("Truth not available: "), HasSubstr("m.yaml"),
-                            Not(HasSubstr("error (MALE)")), HasSubstr("id=\"slices\"")));
+  EXPECT_THAT(Missing(Page(), {"Truth not available: ", "m.yaml", "id=\"slices\"", "error (MALE)"}),
+              ElementsAre("error (MALE)"));
   File("m.yaml", Config("materials/glossy-plastic.yaml"));
   Expect("report s");
-  EXPECT_THAT(Page(),
-              AllOf(HasSubstr("has changed since the session"), Not(HasSubstr("error (MALE)"))));
+  EXPECT_THAT(Missing(Page(), {"has changed since the session", "error (MALE)"}),
+              ElementsAre("error (MALE)"));
 }
 
 TEST_F(Report, ShowsAnInterruptedSessionAsFarAsItGot) {
@@ -110,20 +120,22 @@ TEST_F(Report, ShowsAnInterruptedSessionAsFarAsItGot) {
       "kill -KILL $pid; wait $pid; true");
   ASSERT_EQ(finished.code, 0) << finished.err;
   Expect("report s");
-  EXPECT_THAT(Page(), HasSubstr("The session has not ended in its log"));
+  EXPECT_THAT(Missing(Page(), {"The session has not ended in its log", "id=\"slices\""}),
+              IsEmpty());
 }
 
-TEST_F(Report, ShowsRefusedPosesWithTheirReasons) {
-  // A mirror's peak saturates a camera that cannot expose for less than a second.
+TEST_F(Report, ShowsWhyPosesWereRefusedAndTheSessionFailed) {
+  // A camera that cannot expose for less than a second is blinded by a mirror.
   File("rig.yaml", With(Config("sim-rig.yaml"), "min_exposure_s: 20.0e-6", "min_exposure_s: 1"));
   File("mirror.yaml",
        "version: 1\nname: <mirror & co>\nlayers:\n  - kind: ggx\n    roughness: 0.05\n"
        "    f0: [0.9, 0.9, 0.9]\n");
-  Run("--rig rig.yaml --material mirror.yaml --max-poses 12");
+  EXPECT_EQ(Gonio("run --quiet --out s --rig rig.yaml --material mirror.yaml").code, 4);
   Expect("report s");
-  EXPECT_THAT(Page(), AllOf(HasSubstr("id=\"refused\""), HasSubstr("saturated at the shortest"),
-                            HasSubstr("refused; see the list"),
-                            HasSubstr("&lt;mirror &amp; co&gt;"), Not(HasSubstr("<mirror"))));
+  EXPECT_THAT(Missing(Page(), {"The session ended early (device fault)", "refused; see the list",
+                               "id=\"refused\"", "saturated at the shortest exposure",
+                               "&lt;mirror &amp; co&gt;", "<mirror"}),
+              ElementsAre("<mirror"));
 }
 
 TEST_F(Report, RefusesWhatIsNoSession) {

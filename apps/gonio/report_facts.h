@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a session's report is made from: read, fitted and compared, but not yet drawn.
+
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acquisition/rig.h"
+#include "acquisition/session_record.h"
+#include "acquisition/time_estimate.h"
+#include "brdf/brdf.h"
+#include "fitting/fit.h"
+#include "planner/plan.h"
+
+namespace gonio {
+
+struct ErrorPoint {
+  int poses = 0;
+  double error = 0;
+};
+
+// A pose the rig or the camera refused.
+struct Refusal {
+  HalfDiff angles;
+  std::string message;
+};
+
+// Where a session's time went.
+struct SessionTimes {
+  Seconds homing{0};
+  Seconds travel{0};
+  Seconds settling{0};
+  Seconds exposing{0};  // frames and their read-out
+  Seconds other{0};     // refused poses, mostly
+  Seconds total{0};
+  Seconds mean_exposure{0};  // of one frame, without read-out
+};
+
+struct ReportFacts {
+  std::filesystem::path dir;
+  SessionRecord session;
+  Plan plan;
+  RigConfig rig;
+  std::vector<Refusal> refusals;
+  std::vector<std::string> device_errors;
+  SessionTimes times;
+  TimeEstimate dense;    // the same rig, at the session's mean exposure
+  TimeEstimate thinned;  // 30 % of its rows
+
+  std::optional<DsbrdfFit> fit;
+  std::string no_fit;  // why not
+  std::unique_ptr<Brdf> truth;
+  std::string no_truth;                   // why not
+  std::optional<double> male;             // of the fit against the truth
+  std::vector<ErrorPoint> true_error;     // MALE of fits to the first poses
+  std::string no_true_error;              // why it is not, or not wholly, there
+  std::vector<ErrorPoint> planner_error;  // what the planner expected, after so many poses
+};
+
+// Takes a second or two, most of it for `true_error`. Throws ConfigError if `dir` is not a session,
+// or not sound; a truth that has moved and a fit that cannot be made are facts, not errors.
+ReportFacts GatherFacts(const std::filesystem::path& dir);
+
+// The half/difference angles of a measured pose, as read back.
+HalfDiff AnglesOf(const MeasuredPose& pose);
+
+// Channels (of all poses) that saturated in every frame and so gave no reading.
+int LostReadings(const SessionRecord& session);
+
+}  // namespace gonio
