@@ -101,8 +101,9 @@ std::vector<ErrorPoint> PlannerError(const SessionRecord& session) {
 std::vector<int> ErrorCounts(int poses) {
   std::vector<int> counts;
   for (int n = kFirstErrorCount; n < 0.9 * poses; n *= 2) {
+    const int between = n + n / 2;
     counts.push_back(n);
-    if (n * 3 / 2 < 0.9 * poses) counts.push_back(n * 3 / 2);
+    if (between < 0.9 * poses) counts.push_back(between);
   }
   return counts;
 }

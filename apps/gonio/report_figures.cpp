@@ -64,9 +64,9 @@ constexpr const char* kReachableLayer =
     "title 'within reach'";
 // Twice: a dark rim keeps the light end of the palette visible.
 constexpr const char* kChosenLayer =
-    ", $chosen using 1:2 with points pointtype 7 pointsize 0.95 linecolor '#323f4b' notitle"
-    ", $chosen using 1:2:3 with points pointtype 7 pointsize 0.75 linecolor palette notitle"
-    ", NaN with points pointtype 7 pointsize 0.9 linecolor '#21918c' title {}";
+    ", $chosen using 1:2 with points pointtype 7 pointsize {1:.3g} linecolor '#323f4b' notitle"
+    ", $chosen using 1:2:3 with points pointtype 7 pointsize {2:.3g} linecolor palette notitle"
+    ", NaN with points pointtype 7 pointsize 0.9 linecolor '#21918c' title {0}";
 constexpr const char* kOpeningLayer =
     ", $opening using 1:2 with points pointtype 13 pointsize 1.3 linecolor '#323f4b' notitle"
     ", $opening using 1:2 with points pointtype 13 pointsize 1.0 linecolor '#e8590c' "
@@ -74,6 +74,12 @@ constexpr const char* kOpeningLayer =
 constexpr const char* kRefusedLayer =
     ", $refused using 1:2 with points pointtype 2 pointsize 0.9 linewidth 2 linecolor '#c92a2a' "
     "title 'refused'";
+
+// Relative; smaller where a dense scan would hide its own points.
+double PointSize(const ReportFacts& facts) {
+  return std::clamp(std::sqrt(300.0 / static_cast<double>(facts.session.poses.size() + 1)), 0.25,
+                    1.0);
+}
 
 int NumberOfLast(const ReportFacts& facts) {
   return facts.session.poses.empty() ? 0 : facts.session.poses.back().pose;
@@ -155,13 +161,21 @@ PlotTable SliceSamples(const ReportFacts& facts, double theta_d, LogRange* range
   return table;
 }
 
-std::string SlicePlotCommand(bool truth) {
+std::string SlicePlotCommand(bool truth, double size) {
   std::string command = "plot ";
   for (int c = 0; c < kChannels; ++c) {
     command += fmt::format(
         "$curves using 1:{}:{} with filledcurves linecolor '{}' fillstyle transparent solid 0.18 "
         "noborder notitle, ",
         3 + 4 * c, 4 + 4 * c, kChannelColours[c]);
+  }
+  // Smaller and smaller, so that channels that agree show as rings.
+  for (int c = 0; c < kChannels; ++c) {
+    command += fmt::format(
+        "$samples using 1:{1}:(0):(${2}-${1}) with vectors nohead linewidth 1 linecolor '{3}' "
+        "notitle, $samples using 1:{0} with points pointtype 7 pointsize {4:.2f} linecolor '{3}' "
+        "notitle, ",
+        2 + 3 * c, 3 + 3 * c, 4 + 3 * c, kChannelColours[c], size * (0.8 - 0.18 * c));
   }
   for (int c = 0; c < kChannels; ++c) {
     command += fmt::format("$curves using 1:{} with lines linewidth 2 linecolor '{}' title '{}', ",
@@ -171,14 +185,6 @@ std::string SlicePlotCommand(bool truth) {
     command += fmt::format(
         "$curves using 1:{} with lines linewidth 1.3 dashtype (4,4) linecolor '#1f2933' {}, ",
         5 + 4 * c, c == 0 ? "title 'truth'" : "notitle");
-  }
-  // Smaller and smaller, so that channels that agree show as rings.
-  for (int c = 0; c < kChannels; ++c) {
-    command += fmt::format(
-        "$samples using 1:{1}:(0):(${2}-${1}) with vectors nohead linewidth 1 linecolor '{3}' "
-        "notitle, $samples using 1:{0} with points pointtype 7 pointsize {4:.2f} linecolor '{3}' "
-        "notitle, ",
-        2 + 3 * c, 3 + 3 * c, 4 + 3 * c, kChannelColours[c], 0.8 - 0.18 * c);
   }
   command += "NaN with points pointtype 7 pointsize 0.7 linecolor '#7b8794' title 'measured'\n";
   return command;
@@ -214,7 +220,10 @@ Figure PoseMapFigure(const ReportFacts& facts) {
   }
   plot.script +=
       fmt::format("set cbrange [1:{}]\nplot {}", std::max(2, NumberOfLast(facts)), kReachableLayer);
-  if (!chosen.rows.empty()) plot.script += fmt::format(kChosenLayer, Quoted(reason));
+  if (!chosen.rows.empty()) {
+    const double size = PointSize(facts);
+    plot.script += fmt::format(kChosenLayer, Quoted(reason), 0.95 * size, 0.75 * size);
+  }
   if (!opening.rows.empty()) plot.script += kOpeningLayer;
   if (!refused.rows.empty()) plot.script += kRefusedLayer;
   for (PlotTable* table : {&opening, &chosen, &refused}) {
@@ -235,7 +244,7 @@ Figure SliceFigure(const ReportFacts& facts, double theta_d) {
                     "set title '{{/:Italic θ}}_d = {:.0f}°' font ',15' textcolor '#1f2933'\n"
                     "set key below center horizontal samplen 1 width -4\n",
                     DegFromRad(theta_d)) +
-                SlicePlotCommand(facts.truth != nullptr);
+                SlicePlotCommand(facts.truth != nullptr, PointSize(facts));
   return {std::move(plot), ""};
 }
 

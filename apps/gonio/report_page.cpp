@@ -273,7 +273,8 @@ std::string Identities(const ReportFacts& facts) {
   };
   std::string devices;
   for (const auto& [role, identity] : info.devices) {
-    devices += (devices.empty() ? "" : ", ") + (role == identity ? role : role + ": " + identity);
+    if (!devices.empty()) devices += ", ";
+    devices += role == identity ? role : fmt::format("{}: {}", role, identity);
   }
   rows.emplace_back("Devices", devices);
   return FactTable(rows);
