@@ -8,6 +8,7 @@
 #include "acquisition/kinematics.h"
 #include "core/check.h"
 #include "planner/candidates.h"
+#include "planner/sequence_planner.h"
 
 namespace gonio {
 namespace {
@@ -20,7 +21,7 @@ bool Keeps(int row, double share) {
 }  // namespace
 
 TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> poses,
-                          int frames_per_pose, Seconds exposure) {
+                          Seconds exposing_per_pose) {
   const Kinematics kinematics(rig);
   TimeEstimate estimate;
   std::optional<ArmAngles> at;
@@ -31,34 +32,28 @@ TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> p
     at = target;
     ++estimate.poses;
     estimate.settling += rig.motion.settle;
-    estimate.exposing += frames_per_pose * (exposure + rig.camera.readout);
+    estimate.exposing += exposing_per_pose;
   }
   return estimate;
 }
 
-Seconds NominalExposure(const RigConfig& rig) {
-  return std::clamp(Seconds(0.3), rig.camera.min_exposure, rig.camera.max_exposure);
+Seconds NominalExposing(const RigConfig& rig) {
+  const Seconds exposure =
+      std::clamp(Seconds(0.3), rig.camera.min_exposure, rig.camera.max_exposure);
+  return rig.dense_brackets * (exposure + rig.camera.readout);
 }
 
-TimeEstimate EstimateDenseScan(const RigConfig& rig, Seconds exposure, double keep_rows) {
+TimeEstimate EstimateDenseScan(const RigConfig& rig, Seconds exposing_per_pose, double keep_rows) {
   GONIO_CHECK(keep_rows > 0 && keep_rows <= 1, "a share of the rows");
   const Kinematics kinematics(rig);
-  const std::vector<Candidate> raster =
-      MakeCandidates({}, [&](const DirectionPair& pair) { return kinematics.Reachable(pair); });
+  CandidateOptions options;
+  options.phi = PhiChoice::kAcross;
+  std::vector<Candidate> raster = MakeCandidates(
+      options, [&](const DirectionPair& pair) { return kinematics.Reachable(pair); });
+  std::erase_if(raster, [&](const Candidate& c) { return !Keeps(c.row, keep_rows); });
   std::vector<DirectionPair> poses;
-  bool backwards = false;
-  for (auto row = raster.begin(); row != raster.end();) {
-    const auto next =
-        std::find_if(row, raster.end(), [&](const Candidate& c) { return c.row != row->row; });
-    if (Keeps(row->row, keep_rows)) {
-      const auto first = static_cast<std::ptrdiff_t>(poses.size());
-      for (auto it = row; it != next; ++it) poses.push_back(it->directions);
-      if (backwards) std::reverse(poses.begin() + first, poses.end());
-      backwards = !backwards;
-    }
-    row = next;
-  }
-  return EstimateScan(rig, poses, rig.dense_brackets, exposure);
+  for (const int i : RasterOrder(raster, options, {})) poses.push_back(raster[i].directions);
+  return EstimateScan(rig, poses, exposing_per_pose);
 }
 
 }  // namespace gonio

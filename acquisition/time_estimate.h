@@ -20,20 +20,22 @@ struct TimeEstimate {
   Seconds total() const { return travel + settling + exposing; }
 };
 
-// One pose = move + settle + frames x (exposure + read-out). Poses are visited in the order given,
-// starting at the first one; those out of reach are left out. Homing is not counted.
+// One pose = move + settle + exposing. Poses are visited in the order given, starting at the first
+// one; those out of reach are left out. Homing is not counted.
 //
-// `exposure` is the mean exposure of one frame. Take it from a session on the same rig and material
-// when there is one; NominalExposure() otherwise.
+// `exposing_per_pose`: frames and their read-out. Take it from a session on the same rig and
+// material when there is one; NominalExposing() otherwise.
 TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> poses,
-                          int frames_per_pose, Seconds exposure);
+                          Seconds exposing_per_pose);
 
-// 0.3 s, the lab stage preset of the published rigs, clamped to what the camera can do.
-Seconds NominalExposure(const RigConfig& rig);
+// rig.dense_brackets frames of 0.3 s, the lab stage preset of the published rigs, clamped to what
+// the camera can do.
+Seconds NominalExposing(const RigConfig& rig);
 
-// The dense reference: every reachable pose of the 90 x 90 MERL raster, row by row of theta_h, each
-// row in the direction opposite to the last (as anyone would scan), rig.dense_brackets frames each.
-// `keep_rows` (0, 1]: the share of theta_h rows, evenly spread: 0.3 is the published decimation.
-TimeEstimate EstimateDenseScan(const RigConfig& rig, Seconds exposure, double keep_rows = 1);
+// The dense reference, as configs/plan-grid.yaml scans it: every reachable pose of the 90 x 90 MERL
+// raster at phi_d = 90 degrees, to and fro. `keep_rows` (0, 1]: the share of theta_h rows, evenly
+// spread: 0.3 is the published decimation.
+TimeEstimate EstimateDenseScan(const RigConfig& rig, Seconds exposing_per_pose,
+                               double keep_rows = 1);
 
 }  // namespace gonio

@@ -11,6 +11,7 @@ endfunction()
 
 # gonio_test(NAME LABEL label SOURCES ... LINK ...)
 #   One test executable per folder (links are slow on small machines); ctest names are NAME.Suite.Test.
+#   The target tests_LABEL builds all executables of a label.
 function(gonio_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL" "SOURCES;LINK")
   add_executable(${name}_test ${arg_SOURCES})
@@ -18,6 +19,10 @@ function(gonio_test name)
   target_link_libraries(${name}_test PRIVATE ${arg_LINK} GTest::gmock_main gonio::options)
   target_compile_definitions(${name}_test PRIVATE
     GONIO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  if(NOT TARGET tests_${arg_LABEL})
+    add_custom_target(tests_${arg_LABEL})
+  endif()
+  add_dependencies(tests_${arg_LABEL} ${name}_test)
   gtest_discover_tests(${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS "${arg_LABEL}" TIMEOUT 300)
 endfunction()

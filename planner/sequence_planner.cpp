@@ -21,6 +21,18 @@ void SquarestRaster(int max_poses, int* rows, int* columns) {
   *columns = std::max(1, max_poses / *rows);
 }
 
+// Turns every second row of a row-by-row order around, which saves the way back.
+void TurnEverySecondRow(const std::vector<Candidate>& candidates, std::vector<int>* order) {
+  bool backwards = false;
+  for (auto row = order->begin(); row != order->end();) {
+    const auto next = std::find_if(
+        row, order->end(), [&](int i) { return candidates[i].row != candidates[*row].row; });
+    if (backwards) std::reverse(row, next);
+    backwards = !backwards;
+    row = next;
+  }
+}
+
 std::vector<int> CoarseRaster(const std::vector<Candidate>& candidates,
                               const CandidateOptions& raster, int max_poses) {
   int rows = 0;
@@ -74,8 +86,9 @@ std::vector<int> RasterOrder(const std::vector<Candidate>& candidates,
     }
   }
   if (options.max_poses > 0 && static_cast<int>(order.size()) > options.max_poses) {
-    return CoarseRaster(candidates, raster, options.max_poses);
+    order = CoarseRaster(candidates, raster, options.max_poses);
   }
+  TurnEverySecondRow(candidates, &order);
   return order;
 }
 

@@ -37,8 +37,8 @@ struct RasterOptions {
   int max_poses = 0;      // > 0: instead, a coarser raster over the same range with at most so many
 };
 
-// The raster, row by row. With a budget: the r x c raster (r c <= budget, as square as it goes)
-// whose cells' centres are nearest to candidates.
+// The raster, row by row and to and fro, as anyone would scan. With a budget: the r x c raster (r c
+// <= budget, as square as it goes) whose cells' centres are nearest to candidates.
 std::vector<int> RasterOrder(const std::vector<Candidate>& candidates,
                              const CandidateOptions& raster, const RasterOptions& options);
 

@@ -44,18 +44,16 @@ void ReadEvents(ReportFacts* facts) {
 
 void AddUpTimes(ReportFacts* facts) {
   SessionTimes& t = facts->times;
-  int frames = 0;
   for (const MeasuredPose& pose : facts->session.poses) {
     t.travel += pose.move_time;
     t.settling += facts->rig.motion.settle;
     t.exposing += pose.end - pose.start - pose.move_time - facts->rig.motion.settle;
     t.total = pose.end;
-    frames += pose.frames;
   }
   if (facts->session.end) t.total = facts->session.end->duration;
   t.other = std::max(Seconds(0), t.total - t.homing - t.travel - t.settling - t.exposing);
-  t.mean_exposure =
-      frames > 0 ? t.exposing / frames - facts->rig.camera.readout : NominalExposure(facts->rig);
+  const auto poses = static_cast<double>(facts->session.poses.size());
+  t.exposing_per_pose = poses > 0 ? t.exposing / poses : NominalExposing(facts->rig);
 }
 
 void MakeFit(ReportFacts* facts) {
@@ -144,8 +142,8 @@ ReportFacts GatherFacts(const std::filesystem::path& dir) {
     throw ConfigError((dir / kSessionFile).string() + ": is damaged: " + e.what());
   }
   AddUpTimes(&facts);
-  facts.dense = EstimateDenseScan(facts.rig, facts.times.mean_exposure);
-  facts.thinned = EstimateDenseScan(facts.rig, facts.times.mean_exposure, kThinnedShare);
+  facts.dense = EstimateDenseScan(facts.rig, facts.times.exposing_per_pose);
+  facts.thinned = EstimateDenseScan(facts.rig, facts.times.exposing_per_pose, kThinnedShare);
   facts.planner_error = PlannerError(facts.session);
   MakeFit(&facts);
   OpenTruth(&facts);

@@ -37,7 +37,7 @@ struct SessionTimes {
   Seconds exposing{0};  // frames and their read-out
   Seconds other{0};     // refused poses, mostly
   Seconds total{0};
-  Seconds mean_exposure{0};  // of one frame, without read-out
+  Seconds exposing_per_pose{0};  // frames and their read-out
 };
 
 struct ReportFacts {

@@ -199,10 +199,9 @@ std::string Durations(const ReportFacts& facts) {
   return FigureHtml(DurationFigure(facts), "durations") +
          Caption(fmt::format(
              "Time on the rig. The scans are estimates for the same rig: every reachable pose of "
-             "the 90 × 90 raster (or of 30 % of its θ_h rows), row by row, {} frames a pose at "
-             "this "
-             "session's mean exposure of {:.3g} s; homing is not counted.",
-             facts.rig.dense_brackets, facts.times.mean_exposure.count())) +
+             "the 90 × 90 raster (or of 30 % of its θ_h rows), to and fro, exposing "
+             "{:.3g} s a pose as this session did on average; homing is not counted.",
+             facts.times.exposing_per_pose.count())) +
          TimeTable(facts);
 }
 

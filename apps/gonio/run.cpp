@@ -90,10 +90,11 @@ void PrintSession(const SessionSummary& s) {
   if (s.predicted_error) fmt::print("predicted error  {:.5f}\n", *s.predicted_error);
 }
 
-// What the same instrument would need for a dense scan, at this session's mean exposure.
+// What the same instrument would need for a dense scan that exposes as long per pose as this
+// session.
 void PrintDense(const SessionSummary& s, const RigConfig& rig) {
-  const Seconds exposure = s.exposing / s.frames - rig.camera.readout;
-  const TimeEstimate dense = EstimateDenseScan(rig, exposure);
+  const TimeEstimate dense =
+      EstimateDenseScan(rig, s.exposing / static_cast<double>(s.poses.size()));
   fmt::print("dense scan       {} for {} poses: {:.1f} times as long\n", ForPeople(dense.total()),
              dense.poses, dense.total() / s.duration);
 }

@@ -37,7 +37,7 @@ struct Outcome {
   int poses = 0;
   int rejected = 0;
   Seconds duration{0};
-  Seconds mean_exposure{0};
+  Seconds exposing_per_pose{0};
   double male = std::numeric_limits<double>::quiet_NaN();
   std::optional<double> predicted_error;
   std::string reason;
@@ -63,7 +63,7 @@ Outcome RunOne(const SimulateOptions& options, const RigFile& rig_file, const Na
                   .reason = summary.reason,
                   .outcome = summary.outcome};
   if (outcome.outcome != SessionOutcome::kComplete || summary.poses.empty()) return outcome;
-  outcome.mean_exposure = summary.exposing / summary.frames - rig_file.config.camera.readout;
+  outcome.exposing_per_pose = summary.exposing / static_cast<double>(summary.poses.size());
   const DsbrdfFit fit = FitDsbrdf(summary.Samples(), plan.plan.prior, plan.plan.fit);
   outcome.male = Compare(material, fit, AllCores()).male;
   return outcome;
@@ -80,7 +80,6 @@ Outcome Mean(const std::vector<Outcome>& outcomes) {
   for (const Outcome& o : outcomes) {
     poses += o.poses / n;
     mean.duration += o.duration / n;
-    mean.mean_exposure += o.mean_exposure / n;
     mean.male += o.male / n;
     predicted += o.predicted_error.value_or(0);
     predictions += o.predicted_error ? 1 : 0;
@@ -96,7 +95,7 @@ json ToJson(const NamedPlan& plan, const std::string& material, std::uint64_t se
                 {"seed", seed},       {"prior", plan.plan.prior.name},
                 {"poses", o.poses},   {"rejected", o.rejected},
                 {"reason", o.reason}, {"duration_s", o.duration.count()},
-                {"male", o.male},     {"mean_exposure_s", o.mean_exposure.count()}};
+                {"male", o.male},     {"exposing_per_pose_s", o.exposing_per_pose.count()}};
   entry["predicted_error"] = o.predicted_error ? json(*o.predicted_error) : json(nullptr);
   return entry;
 }
@@ -128,8 +127,8 @@ class Simulation {
     for (const std::string& material : options.materials) {
       materials_.push_back(OpenAny(LocateConfig(material)));
     }
-    dense_ = EstimateDenseScan(rig_.config, NominalExposure(rig_.config));
-    thinned_ = EstimateDenseScan(rig_.config, NominalExposure(rig_.config), kThinnedShare);
+    dense_ = EstimateDenseScan(rig_.config, NominalExposing(rig_.config));
+    thinned_ = EstimateDenseScan(rig_.config, NominalExposing(rig_.config), kThinnedShare);
   }
 
   int Run() {

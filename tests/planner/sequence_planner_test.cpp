@@ -19,11 +19,14 @@ std::vector<Candidate> Raster(int rows, int columns) {
       {.theta_h_count = rows, .theta_d_count = columns, .phi = PhiChoice::kAcross}, {});
 }
 
-TEST(RasterOrder, VisitsTheDenseRasterRowByRow) {
+TEST(RasterOrder, VisitsTheDenseRasterRowByRowToAndFro) {
   const std::vector<int> order = RasterOrder(MakeCandidates(kRaster, {}), kRaster, {});
-  std::vector<int> all(8100);
-  std::iota(all.begin(), all.end(), 0);
-  EXPECT_EQ(order, all);
+  ASSERT_EQ(order.size(), 8100u);
+  for (int n = 0; n < 8100; ++n) {
+    const int row = n / 90;
+    const int column = row % 2 == 0 ? n % 90 : 89 - n % 90;
+    EXPECT_EQ(order[n], row * 90 + column);
+  }
 }
 
 TEST(RasterOrder, KeepsEveryKthRowAndColumn) {
