@@ -18,12 +18,14 @@ bool Within(const HalfDiff& angles, double max_polar) {
 
 // The phi_d of cell (row, column): the next point of the additive recurrence with the plastic
 // number (M. Roberts' R2 sequence), moved towards 90 degrees until there is room above the horizon.
-double SpreadPhi(double theta_h, double theta_d, int row, int column, double max_polar) {
+double SpreadPhi(double theta_h, double theta_d, int row, int column,
+                 const CandidateOptions& options) {
   const double u = std::fmod(0.5 + 0.7548776662466927 * row + 0.5698402909980532 * column, 1.0);
   constexpr int kSteps = 64;
   for (int step = 0; step < kSteps; ++step) {
-    const double phi = kPi * (0.5 + (u - 0.5) * (1 - static_cast<double>(step) / kSteps));
-    if (Within({theta_h, theta_d, phi}, max_polar)) return phi;
+    const double room = options.phi_span * (1 - static_cast<double>(step) / kSteps);
+    const double phi = kPi / 2 + (u - 0.5) * room;
+    if (Within({theta_h, theta_d, phi}, options.max_polar)) return phi;
   }
   return kPi / 2;
 }
@@ -42,9 +44,9 @@ std::vector<Candidate> MakeCandidates(const CandidateOptions& options, const Rea
       HalfDiff& angles = candidate.angles;
       angles.theta_h = theta_h_at(row + 0.5);
       angles.theta_d = (column + 0.5) / options.theta_d_count * kPi / 2;
-      angles.phi_d = options.phi == PhiChoice::kAcross ? kPi / 2
-                                                       : SpreadPhi(angles.theta_h, angles.theta_d,
-                                                                   row, column, options.max_polar);
+      angles.phi_d = options.phi == PhiChoice::kAcross
+                         ? kPi / 2
+                         : SpreadPhi(angles.theta_h, angles.theta_d, row, column, options);
       candidate.directions = ToDirections(angles);
       candidate.cell_area =
           (theta_h_at(row + 1) - theta_h_at(row)) * kPi / 2 / options.theta_d_count;

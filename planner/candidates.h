@@ -24,7 +24,7 @@ struct Candidate {
 enum class PhiChoice {
   kAcross,  // 90 degrees everywhere: the two directions mirror each other across the half vector's
             // plane of tilt; inside the horizon for every theta_h, theta_d
-  kSpread,  // a low-discrepancy sequence over [0, 180) degrees, so that neighbours differ: a fit
+  kSpread,  // a low-discrepancy sequence around 90 degrees, so that neighbours differ: a fit
             // then averages over phi_d; cells without room keep to where both polar angles are
             // small enough
 };
@@ -34,6 +34,8 @@ struct CandidateOptions {
   int theta_d_count = 90;    // columns, 1 .. 1000
   bool merl_spacing = true;  // rows dense towards theta_h = 0, as in a MERL table; else uniform
   PhiChoice phi = PhiChoice::kSpread;
+  double phi_span = 1.5707963;   // rad (90 deg), 0 .. pi: width of the range around 90 deg that
+                                 // kSpread uses
   double max_polar = 1.4137167;  // rad (81 deg): spread phi_d keeps both directions within this
 };
 

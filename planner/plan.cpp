@@ -24,6 +24,8 @@ CandidateOptions ReadCandidates(const ConfigNode& root) {
     options.phi = node.Choice("phi_d", {"across", "spread"}) == "across" ? PhiChoice::kAcross
                                                                          : PhiChoice::kSpread;
   }
+  options.phi_span = RadFromDeg(
+      node.NumberOr("phi_span_deg", DegFromRad(options.phi_span), Range::Between(0, 180)));
   options.max_polar = RadFromDeg(
       node.NumberOr("max_polar_deg", DegFromRad(options.max_polar), Range::Between(10, 89.9)));
   return options;

@@ -101,7 +101,7 @@ TEST(MakeCandidates, KeepsSpreadPosesWithinMaxPolarWhereThatIsPossible) {
 
 TEST(MakeCandidates, SpreadsPhiOverItsWholeRangeAndDiffersBetweenNeighbours) {
   const std::vector<Candidate> candidates =
-      MakeCandidates({.theta_h_count = 30, .theta_d_count = 30}, {});
+      MakeCandidates({.theta_h_count = 30, .theta_d_count = 30, .phi_span = kPi}, {});
   int bins[6] = {};
   double least = kPi;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -115,6 +115,15 @@ TEST(MakeCandidates, SpreadsPhiOverItsWholeRangeAndDiffersBetweenNeighbours) {
   }
   for (const int bin : bins) EXPECT_GT(bin, 60);
   EXPECT_GT(least, RadFromDeg(1));
+}
+
+TEST(MakeCandidates, KeepsSpreadPhiWithinItsSpan) {
+  double widest = 0;
+  for (const Candidate& candidate : MakeCandidates({.phi_span = RadFromDeg(40)}, {})) {
+    widest = std::max(widest, std::abs(candidate.angles.phi_d - kPi / 2));
+  }
+  EXPECT_LE(widest, RadFromDeg(20));
+  EXPECT_GT(widest, RadFromDeg(19));
 }
 
 TEST(MakeCandidates, LeavesOutWhatIsNotReachable) {
