@@ -40,16 +40,20 @@ class ReadingCost final : public ceres::CostFunction {
                 double** jacobians) const override {
     const bool derive = jacobians != nullptr && jacobians[0] != nullptr;
     double f = 0;
-    std::array<double, 2 * kMaxLobes> slope{};  // of f with log kappa, log gamma of each lobe
-    for (int k = 0; k < shape_.lobes; ++k) {
-      const Logarithm log_kappa = Spline(parameters[0] + 2 * k * shape_.knots, -14, 2.77);
-      const Logarithm log_gamma = Spline(parameters[0] + (2 * k + 1) * shape_.knots, -4.6, 10.8);
+    std::array<double, std::size_t{2} * kMaxLobes>
+        slope{};  // of f with log kappa, log gamma of each lobe
+    const double* coefficients = parameters[0];
+    double* at = slope.data();
+    for (int k = 0; k < shape_.lobes; ++k, at += 2) {
+      const Logarithm log_kappa = Spline(coefficients, -14, 2.77);
+      const Logarithm log_gamma = Spline(coefficients + shape_.knots, -4.6, 10.8);
+      coefficients += shape_.knots + shape_.knots;
       const double exponent = log_cos_ * std::exp(log_gamma.number);
       const double x = std::exp(log_kappa.number + exponent);
       const double rise = std::expm1(x);
       f += rise;
-      slope[2 * k] = log_kappa.held ? 0 : (rise + 1) * x;
-      slope[2 * k + 1] = log_gamma.held ? 0 : (rise + 1) * x * exponent;
+      at[0] = log_kappa.held ? 0 : (rise + 1) * x;
+      at[1] = log_gamma.held ? 0 : (rise + 1) * x * exponent;
     }
     residuals[0] = (glog_ - std::asinh(f / (2 * floor_))) / s_;
     if (!derive) return true;
@@ -96,7 +100,7 @@ class PriorCost final : public ceres::CostFunction {
 
   bool Evaluate(const double* const* parameters, double* residuals,
                 double** jacobians) const override {
-    const int size = shape_.per_channel();
+    const Eigen::Index size = shape_.per_channel();
     Eigen::VectorXd deviation = -mean_;
     for (int c = 0; c < kChannels; ++c) {
       deviation.segment(c * size, size) += Eigen::Map<const Eigen::VectorXd>(parameters[c], size);

@@ -30,7 +30,7 @@ TEST(GenericPrior, IsSymmetricAndPositiveDefiniteForEveryShape) {
 TEST(GenericPrior, TreatsAllChannelsAlike) {
   const DsbrdfShape shape{.lobes = 3, .knots = 6};
   const Prior prior = GenericPrior(shape);
-  const int size = shape.per_channel();
+  const Eigen::Index size = shape.per_channel();
   for (int a = 0; a < kChannels; ++a) {
     EXPECT_EQ(prior.mean.segment(a * size, size), prior.mean.head(size));
     for (int b = 0; b < kChannels; ++b) {

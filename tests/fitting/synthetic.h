@@ -72,6 +72,7 @@ inline std::vector<BrdfSample> Readings(const Brdf& material, int poses, double 
                                         std::uint64_t seed) {
   Random random(seed, 1);
   std::vector<BrdfSample> samples;
+  samples.reserve(static_cast<std::size_t>(poses));
   for (int n = 0; n < poses; ++n) {
     samples.push_back(ReadingAt(material, RandomPose(random), relative_noise, random));
   }

@@ -135,8 +135,8 @@ TEST(RandomOrder, DrawsEveryCandidateAboutEquallyOften) {
     ++first[order[0]];
   }
   // Five standard deviations of a binomial.
-  for (const int count : drawn) EXPECT_NEAR(count, kSeeds / 4, 5 * 27.4);
-  for (const int count : first) EXPECT_NEAR(count, kSeeds / 20, 5 * 13.8);
+  for (const int count : drawn) EXPECT_NEAR(count, 0.25 * kSeeds, 5 * 27.4);
+  for (const int count : first) EXPECT_NEAR(count, 0.05 * kSeeds, 5 * 13.8);
 }
 
 TEST(SequencePlanner, ProposesItsOrderWithItsLabel) {
