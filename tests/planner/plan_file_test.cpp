@@ -60,6 +60,8 @@ TEST(BadPlan, HasABadCandidateKey) {
             "plan.yaml:5: candidates.spacing: is \"log\", must be one of merl, uniform");
   EXPECT_EQ(Grid("candidates:\n  phi_d: 90\n"),
             "plan.yaml:5: candidates.phi_d: is \"90\", must be one of across, spread");
+  EXPECT_EQ(Grid("candidates:\n  phi_span_deg: 181\n"),
+            "plan.yaml:5: candidates.phi_span_deg: is 181, must be between 0 and 180");
   EXPECT_EQ(Grid("candidates:\n  max_polar_deg: 95\n"),
             "plan.yaml:5: candidates.max_polar_deg: is 95, must be between 10 and 89.9");
   EXPECT_EQ(Grid("candidates:\n  max_polar: 80\n"),

@@ -72,7 +72,7 @@ name: all
 planner: information
 max_poses: 7
 candidates: {theta_h_count: 11, theta_d_count: 12, spacing: uniform, phi_d: across,
-             max_polar_deg: 70}
+             phi_span_deg: 45, max_polar_deg: 70}
 information: {objective: relative, target_error: 0.5, min_gain: 0.25, max_polar_deg: 60,
               relative_noise: 0.125, repeat_length: 0.375}
 fit: {lobes: 2, knots: 5, prior: generic, floor_per_sr: 0.0625, huber: 3, model_error: 0.1875,
@@ -83,6 +83,7 @@ fit: {lobes: 2, knots: 5, prior: generic, floor_per_sr: 0.0625, huber: 3, model_
   EXPECT_EQ(plan.candidates.theta_d_count, 12);
   EXPECT_FALSE(plan.candidates.merl_spacing);
   EXPECT_EQ(plan.candidates.phi, PhiChoice::kAcross);
+  EXPECT_DOUBLE_EQ(plan.candidates.phi_span, RadFromDeg(45));
   EXPECT_DOUBLE_EQ(plan.candidates.max_polar, RadFromDeg(70));
   EXPECT_EQ(plan.information.gain.objective, Objective::kRelative);
   EXPECT_EQ(plan.information.target_error, 0.5);
