@@ -31,7 +31,7 @@ struct LobeBelief {
   Belief log_gamma;
 };
 
-constexpr double kCourseLength = RadFromDeg(20);  // over which the course in theta_d varies
+constexpr double kCourseLength = RadFromDeg(15);  // over which the course in theta_d varies
 
 // Lobe k of K: from a diffuse one (cos^0.5, f_r about 0.1 / sr) to a narrow one (half width about 5
 // degrees), geometrically spaced in gamma.
