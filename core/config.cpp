@@ -186,7 +186,10 @@ double ConfigNode::NumberOr(std::string_view key, double fallback, Range range) 
 }
 
 int ConfigNode::Integer(std::string_view key, int min, int max) const {
-  const double number = Number(key, Range::Between(min, max));
+  Range range = Range::Between(min, max);
+  if (max == std::numeric_limits<int>::max()) range.max = Range::Any().max;  // say ">= min" only
+  const double number = Number(key, range);
+  if (number > max) Fail(key, fmt::format("is {}, too large", number));
   if (number != std::floor(number)) Fail(key, fmt::format("is {}, must be a whole number", number));
   return static_cast<int>(number);
 }

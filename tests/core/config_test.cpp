@@ -99,6 +99,9 @@ TEST(ConfigNode, RefusesABrokenWholeNumber) {
   const auto read = [](const ConfigNode& root) { root.Integer("a", 1, 9); };
   EXPECT_EQ(Complaint("a: 1.5", read), "rig.yaml:1: a: is 1.5, must be a whole number");
   EXPECT_EQ(Complaint("a: 10", read), "rig.yaml:1: a: is 10, must be between 1 and 9");
+  const auto open_ended = [](const ConfigNode& root) { root.Integer("a", 1); };
+  EXPECT_EQ(Complaint("a: 0", open_ended), "rig.yaml:1: a: is 0, must be >= 1");
+  EXPECT_EQ(Complaint("a: 3000000000", open_ended), "rig.yaml:1: a: is 3000000000, too large");
 }
 
 TEST(ConfigNode, RefusesEverythingButTrueAndFalse) {
