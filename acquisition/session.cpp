@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <utility>
 
 #include "acquisition/measure.h"
@@ -50,14 +49,9 @@ class Session {
  private:
   int pose_count() const { return static_cast<int>(summary_.poses.size()); }
 
-  int MaxPoses() const {
-    const int planned = parts_.planner.MaxPoses();
-    return options_.max_poses > 0 ? std::min(options_.max_poses, planned) : planned;
-  }
-
   Progress CurrentProgress() const {
     return {.poses = pose_count(),
-            .max_poses = MaxPoses(),
+            .max_poses = parts_.planner.MaxPoses(),
             .rejected = summary_.rejected,
             .elapsed = parts_.clock.Now() - begin_,
             .predicted_error = parts_.planner.PredictedError()};
@@ -76,9 +70,6 @@ class Session {
   bool Step() {
     if (stop_.after_pose.stop_requested()) {
       return End(SessionOutcome::kStopped, "stopped by the user");
-    }
-    if (options_.max_poses > 0 && pose_count() >= options_.max_poses) {
-      return End(SessionOutcome::kComplete, "pose limit reached");
     }
     const std::optional<Proposal> proposal = parts_.planner.Next();
     if (!proposal) return End(SessionOutcome::kComplete, parts_.planner.reason());
@@ -179,7 +170,6 @@ class Session {
 }  // namespace
 
 void SessionOptions::Check() const {
-  if (max_poses < 0) throw ConfigError(fmt::format("max_poses: is {}, must be >= 0", max_poses));
   if (max_rejections_in_a_row < 1) {
     throw ConfigError(
         fmt::format("max_rejections_in_a_row: is {}, must be >= 1", max_rejections_in_a_row));

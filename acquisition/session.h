@@ -18,7 +18,6 @@
 namespace gonio {
 
 struct SessionOptions {
-  int max_poses = 0;                 // >= 0; 0: as many as the planner wants
   int max_rejections_in_a_row = 10;  // >= 1: more, and the rig is taken to be broken
 
   // Throws ConfigError naming the option.
@@ -41,7 +40,7 @@ struct SessionParts {
 };
 
 enum class SessionOutcome {
-  kComplete,       // the planner, or max_poses, said enough
+  kComplete,       // the planner said enough
   kStopped,        // the user asked
   kDeviceFault,    // a device failed; the arms have been told to stop
   kStorageFailed,  // the log refused; what it holds is whole

@@ -115,21 +115,11 @@ TEST(Session, GivesUpAfterTooManyRejectionsInARow) {
   Bench bench;
   ScriptedPlanner planner({Degrees(5, 20), OutOfReach(), OutOfReach(), Degrees(30, 40),
                            OutOfReach(), OutOfReach(), OutOfReach(), Degrees(10, 60)});
-  const SessionSummary summary =
-      bench.Run(planner, nullptr, {.max_poses = 0, .max_rejections_in_a_row = 3});
+  const SessionSummary summary = bench.Run(planner, nullptr, {.max_rejections_in_a_row = 3});
   EXPECT_EQ(summary.outcome, SessionOutcome::kDeviceFault);
   EXPECT_THAT(summary.reason, HasSubstr("3 poses in a row were refused"));
   EXPECT_EQ(summary.poses.size(), 2u);
   EXPECT_EQ(summary.rejected, 5);
-}
-
-TEST(Session, KeepsToThePoseLimit) {
-  Bench bench;
-  ScriptedPlanner planner(FourPoses());
-  const SessionSummary summary = bench.Run(planner, nullptr, {.max_poses = 3});
-  EXPECT_EQ(summary.outcome, SessionOutcome::kComplete);
-  EXPECT_EQ(summary.reason, "pose limit reached");
-  EXPECT_EQ(summary.poses.size(), 3u);
 }
 
 TEST(Session, FinishesThePoseWhenTheUserStopsIt) {
@@ -250,9 +240,7 @@ TEST(Session, ReportsProgressAfterEveryPose) {
 TEST(SessionOptions, AreCheckedAndTheDefaultsPass) {
   SessionOptions options;
   options.Check();
-  options.max_poses = -1;
-  EXPECT_THAT(MessageOf<ConfigError>([&] { options.Check(); }), HasSubstr("max_poses"));
-  options = {.max_poses = 0, .max_rejections_in_a_row = 0};
+  options = {.max_rejections_in_a_row = 0};
   EXPECT_THAT(MessageOf<ConfigError>([&] { options.Check(); }),
               HasSubstr("max_rejections_in_a_row"));
 }
