@@ -116,6 +116,7 @@ Seconds FirstExposure(const Rgb& rates, const RigConfig& rig) {
 std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken, const RigConfig& rig) {
   GONIO_CHECK(!taken.empty(), "nothing was exposed");
   std::vector<FrameMeans> means;
+  means.reserve(taken.size());
   for (const Exposure& e : taken) means.push_back(MeansOf(e.frame, rig.camera.full_scale));
   const double enough = rig.exposure.min_fraction * rig.camera.full_scale;
   std::array<ChannelView, kChannels> views;

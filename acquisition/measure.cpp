@@ -128,7 +128,7 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
 }
 
 Result<double> PoseMeasurer::ReadMonitor() {
-  const auto reading = devices_.monitor->Read();
+  auto reading = devices_.monitor->Read();
   if (!reading) return reading;
   // Also true of NaN.
   if (!(*reading >= kLightIsOut * rig_.light_level) || !std::isfinite(*reading)) {

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -84,7 +85,7 @@ Outcome Mean(const std::vector<Outcome>& outcomes) {
     predicted += o.predicted_error.value_or(0);
     predictions += o.predicted_error ? 1 : 0;
   }
-  mean.poses = static_cast<int>(poses + 0.5);
+  mean.poses = static_cast<int>(std::lround(poses));
   if (predictions > 0) mean.predicted_error = predicted / predictions;
   return mean;
 }
