@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 #include "core/error.h"
@@ -87,12 +88,33 @@ PosteriorOptions ToPosteriorOptions(const FitOptions& options) {
   return {.floor = options.floor, .huber = options.huber, .model_error = options.model_error};
 }
 
+// The samples of which at least one channel could be measured.
+std::vector<BrdfSample> Usable(std::span<const BrdfSample> samples) {
+  std::vector<BrdfSample> usable;
+  std::copy_if(samples.begin(), samples.end(), std::back_inserter(usable),
+               [](const BrdfSample& sample) { return sample.sigma.isFinite().any(); });
+  return usable;
+}
+
 // Every stride-th sample, so that at most `count` remain.
 std::vector<BrdfSample> Thin(std::span<const BrdfSample> samples, int count) {
   const std::size_t stride = (samples.size() + count - 1) / count;
   std::vector<BrdfSample> thin;
   for (std::size_t n = 0; n < samples.size(); n += stride) thin.push_back(samples[n]);
   return thin;
+}
+
+// Where each start leads, best first. Roughly is enough to tell the explanations apart.
+std::vector<Minimum> BestMinima(const Posterior& posterior,
+                                const std::vector<Eigen::VectorXd>& starts,
+                                const FitOptions& options) {
+  std::vector<Minimum> minima;
+  for (const Eigen::VectorXd& start : starts) {
+    minima.push_back(Minimise(posterior, start, options.max_iterations, 10 * options.tolerance));
+  }
+  std::stable_sort(minima.begin(), minima.end(),
+                   [](const Minimum& a, const Minimum& b) { return a.cost < b.cost; });
+  return minima;
 }
 
 DsbrdfFit ToFit(const Posterior& posterior, const Minimum& minimum, int samples, int starts) {
@@ -166,21 +188,19 @@ Prediction DsbrdfFit::Predict(const HalfDiff& angles) const {
 DsbrdfFit FitDsbrdf(std::span<const BrdfSample> samples, const Prior& prior,
                     const FitOptions& options) {
   options.Check();
-  const std::vector<BrdfSample> few = Thin(samples, options.start_samples);
+  const std::vector<BrdfSample> usable = Usable(samples);
+  const std::vector<BrdfSample> few = Thin(usable, options.start_samples);
   Posterior posterior(few, prior, ToPosteriorOptions(options));
   RequireResiduals(posterior);
   const std::vector<Eigen::VectorXd> starts = FitStarts(few, prior);
-  Minimum best;
-  for (const Eigen::VectorXd& start : starts) {
-    // A rough minimum tells the explanations apart.
-    Minimum rough = Minimise(posterior, start, options.max_iterations, 10 * options.tolerance);
-    if (rough.cost < best.cost) best = std::move(rough);
+  std::vector<Minimum> minima = BestMinima(posterior, starts, options);
+  if (few.size() < usable.size()) {
+    // What all samples say may differ from what a few said, so the runner-up gets its chance.
+    posterior = Posterior(usable, prior, ToPosteriorOptions(options));
+    minima = BestMinima(posterior, {minima[0].parameters, minima[1].parameters}, options);
   }
-  if (few.size() < samples.size()) {
-    posterior = Posterior(samples, prior, ToPosteriorOptions(options));
-  }
-  const Minimum minimum = MinimiseWithModelError(posterior, best.parameters, options);
-  return ToFit(posterior, minimum, static_cast<int>(samples.size()),
+  const Minimum minimum = MinimiseWithModelError(posterior, minima[0].parameters, options);
+  return ToFit(posterior, minimum, static_cast<int>(usable.size()),
                static_cast<int>(starts.size()));
 }
 

@@ -23,7 +23,7 @@ struct FitOptions {
   double model_error_weight = 100;  // >= 0: how many residuals the guess is worth
   int max_iterations = 60;          // Gauss-Newton steps per minimisation, > 0
   double tolerance = 1e-5;  // > 0: relative fall of the cost below which a step was the last
-  int start_samples = 500;  // poses the starts are compared on; the best goes on with all of them
+  int start_samples = 500;  // poses the starts are compared on; the best two go on with all of them
 
   // Throws ConfigError naming the option.
   void Check() const;
