@@ -45,7 +45,7 @@ LobeBelief BeliefOf(int lobe, int lobes) {
   return belief;
 }
 
-// Covariance of one quantity between knots i, j and channels a, b.
+// Covariance of one quantity at two knots `distance` [rad] apart, of the same channel or of two.
 double CovarianceOf(const Belief& belief, double distance, bool same_channel) {
   const double course = std::exp(-0.5 * distance * distance / (kCourseLength * kCourseLength));
   double covariance = belief.level * belief.level + belief.shape * belief.shape * course;
@@ -67,6 +67,18 @@ std::string Quoted(const std::string& name) {
   return quoted + '"';
 }
 
+// The same between all knots.
+Eigen::MatrixXd CourseCovariance(const Belief& belief, int knots, bool same_channel) {
+  Eigen::MatrixXd covariance(knots, knots);
+  for (int i = 0; i < knots; ++i) {
+    for (int j = 0; j < knots; ++j) {
+      covariance(i, j) =
+          CovarianceOf(belief, KnotPosition(i, knots) - KnotPosition(j, knots), same_channel);
+    }
+  }
+  return covariance;
+}
+
 }  // namespace
 
 Prior GenericPrior(const DsbrdfShape& shape) {
@@ -76,18 +88,13 @@ Prior GenericPrior(const DsbrdfShape& shape) {
   prior.covariance.setZero(shape.size(), shape.size());
   for (int k = 0; k < shape.lobes; ++k) {
     const LobeBelief lobe = BeliefOf(k, shape.lobes);
-    for (int q = 0; q < 2; ++q) {
-      const Belief& belief = q == 0 ? lobe.log_kappa : lobe.log_gamma;
-      for (int a = 0; a < kChannels; ++a) {
+    for (int a = 0; a < kChannels; ++a) {
+      for (int q = 0; q < 2; ++q) {
+        const Belief& belief = q == 0 ? lobe.log_kappa : lobe.log_gamma;
         prior.mean.segment(shape.Index(a, k, q), shape.knots).setConstant(belief.mean);
         for (int b = 0; b < kChannels; ++b) {
-          for (int i = 0; i < shape.knots; ++i) {
-            for (int j = 0; j < shape.knots; ++j) {
-              const double distance = KnotPosition(i, shape.knots) - KnotPosition(j, shape.knots);
-              prior.covariance(shape.Index(a, k, q) + i, shape.Index(b, k, q) + j) =
-                  CovarianceOf(belief, distance, a == b);
-            }
-          }
+          prior.covariance.block(shape.Index(a, k, q), shape.Index(b, k, q), shape.knots,
+                                 shape.knots) = CourseCovariance(belief, shape.knots, a == b);
         }
       }
     }
