@@ -53,6 +53,7 @@ Rgb SimCamera::Signal(Seconds start, Seconds exposure) const {
 std::uint16_t SimCamera::Count(double signal, double dark) {
   double electrons = signal + dark;
   if (truth_.shot_noise) electrons = random_.Poisson(electrons);
+  if (truth_.full_well > 0) electrons = std::min(electrons, truth_.full_well);
   if (truth_.read_noise > 0) electrons += truth_.read_noise * random_.Normal();
   const double count = std::round(electrons / truth_.electrons_per_count + truth_.black_level);
   return static_cast<std::uint16_t>(std::clamp(count, 0.0, static_cast<double>(info_.full_scale)));

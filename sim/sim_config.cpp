@@ -28,6 +28,7 @@ SimConfig ReadSim(const ConfigNode& root) {
   sim.multiplicative_noise = number("multiplicative_noise", Range::Between(0, 1));
   sim.read_noise = number("read_noise_e", Range::NonNegative());
   sim.dark_current = number("dark_current_e_s", Range::NonNegative());
+  sim.full_well = node.NumberOr("full_well_e", 0, Range::NonNegative());
   sim.shot_noise = node.BoolOr("shot_noise", true);
   sim.black_level = node.IntegerOr("black_level_counts", 0, 0, 16384);
   sim.responsivity = ReadRgb(node.Has("responsivity") ? node : believed, "responsivity");

@@ -20,6 +20,10 @@ struct SimConfig {
   double dark_current = 0;          // electrons per second per pixel
   bool shot_noise = false;          // electrons arrive by Poisson's law
   int black_level = 0;              // counts; too low and read noise is clipped at zero
+  // Electrons a pixel holds; more are lost. 0: deeper than full scale. Where it is shallower,
+  // frames saturate below the full scale that the rig looks for, and only the rig's
+  // full_scale_counts can tell it.
+  double full_well = 0;
 
   // No imperfections, but what the rig's `radiometry` should agree with.
   Rgb responsivity = Rgb::Ones();  // electrons per pixel and second at f_r cos(theta_i) = 1/sr

@@ -147,6 +147,18 @@ TEST(SimCamera, DarkCurrentAddsElectronsAndTheirNoise) {
   EXPECT_NEAR(moments.variance, 200, 6);
 }
 
+TEST(SimCamera, LosesWhatAPixelCannotHold) {
+  SimConfig config = Ideal();
+  config.black_level = 10;
+  config.full_well = 300;
+  Bench bench(config);
+  EXPECT_EQ(bench.Capture(0.5).counts[0], 10 + 250);
+  EXPECT_EQ(bench.Capture(1).counts[0], 10 + 300);
+  EXPECT_EQ(bench.Capture(15).counts[0], 10 + 300);
+  config.full_well = 0;
+  EXPECT_EQ(Bench(config).Capture(15).counts[0], 4095);
+}
+
 TEST(SimCamera, ReadNoiseIsPerPixelWhateverTheExposure) {
   SimConfig config = Ideal();
   config.read_noise = 10;

@@ -34,6 +34,8 @@ TEST(ReadSim, TakesWhatIsLeftOutFromTheBelief) {
   EXPECT_EQ(sim.black_level, 9);
   EXPECT_TRUE(sim.shot_noise);
   EXPECT_EQ(sim.repeatability, 0);
+  EXPECT_EQ(sim.full_well, 0);
+  EXPECT_EQ(Read("simulation: {full_well_e: 20000}\n").full_well, 20000);
 }
 
 TEST(ReadSim, LetsTheTruthDifferFromTheBelief) {
