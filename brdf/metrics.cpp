@@ -8,15 +8,13 @@
 #include <thread>
 #include <vector>
 
+#include "brdf/merl_table.h"
 #include "core/error.h"
 
 namespace gonio {
 namespace {
 
 constexpr double kLogRelativeEpsilon = 1e-3;
-
-// Which metrics are wanted: the logarithms and cube roots are what Compare() spends its time on.
-enum class Wanted { kMaleOnly, kAll };
 
 // Sums over the cells of one theta_h row. Rows are added up in order, whoever computed them: that
 // is what makes the result independent of the number of threads.
@@ -38,7 +36,6 @@ struct Sums {
   }
 };
 
-template <Wanted wanted>
 void AddCell(const Rgb& f, const Rgb& g_raw, double cos_i, double cos_o, double weight,
              Sums* sums) {
   const Rgb g = g_raw.max(0);
@@ -46,7 +43,6 @@ void AddCell(const Rgb& f, const Rgb& g_raw, double cos_i, double cos_o, double 
   sums->male += weight * log_ratio.abs();
   sums->weight += weight;
   ++sums->compared;
-  if constexpr (wanted == Wanted::kMaleOnly) return;
   const double c = cos_i * cos_o;
   sums->log_relative +=
       ((f * c + kLogRelativeEpsilon) / (g * c + kLogRelativeEpsilon)).log().square().sum();
@@ -83,8 +79,7 @@ Cosine PhiCosines() {
   return cosines;
 }
 
-template <Wanted wanted, typename Other>
-Sums CompareRow(int h, const CellSource& reference, const Other& other, const Cosine& cos_phi,
+Sums CompareRow(int h, const CellSource& reference, const CellSource& other, const Cosine& cos_phi,
                 const MetricOptions& options) {
   Sums sums;
   const double weight = MerlTable::ThetaHWidth(h);
@@ -102,7 +97,7 @@ Sums CompareRow(int h, const CellSource& reference, const Other& other, const Co
       if (!f || !f->isFinite().all()) continue;
       const std::optional<Rgb> g = other(h, d, p, angles);
       if (g && g->isFinite().all()) {
-        AddCell<wanted>(*f, *g, cos_i, cos_o, weight, &sums);
+        AddCell(*f, *g, cos_i, cos_o, weight, &sums);
       } else {
         ++sums.missing;
       }
@@ -111,15 +106,14 @@ Sums CompareRow(int h, const CellSource& reference, const Other& other, const Co
   return sums;
 }
 
-template <Wanted wanted, typename Other>
-Sums CompareCells(const Brdf& reference, const Other& other, const MetricOptions& options) {
+Sums CompareCells(const CellSource& reference, const CellSource& other,
+                  const MetricOptions& options) {
   options.Check();
-  const CellSource source(reference);
   const Cosine cos_phi = PhiCosines();
   std::vector<Sums> rows(MerlTable::kThetaH);
   const auto work = [&](int first) {
     for (int h = first; h < MerlTable::kThetaH; h += options.threads) {
-      rows[h] = CompareRow<wanted>(h, source, other, cos_phi, options);
+      rows[h] = CompareRow(h, reference, other, cos_phi, options);
     }
   };
   {
@@ -147,11 +141,6 @@ ErrorMetrics ToMetrics(const Sums& sums) {
   return metrics;
 }
 
-// A plain function where a source of cells is wanted.
-auto IgnoringCells(const BrdfFunction& function) {
-  return [&function](int, int, int, const HalfDiff& angles) { return function(angles); };
-}
-
 }  // namespace
 
 void MetricOptions::Check() const {
@@ -167,16 +156,7 @@ void MetricOptions::Check() const {
 }
 
 ErrorMetrics Compare(const Brdf& reference, const Brdf& other, const MetricOptions& options) {
-  return ToMetrics(CompareCells<Wanted::kAll>(reference, CellSource(other), options));
-}
-
-ErrorMetrics Compare(const Brdf& reference, const BrdfFunction& other,
-                     const MetricOptions& options) {
-  return ToMetrics(CompareCells<Wanted::kAll>(reference, IgnoringCells(other), options));
-}
-
-double Male(const Brdf& reference, const BrdfFunction& other, const MetricOptions& options) {
-  return ToMetrics(CompareCells<Wanted::kMaleOnly>(reference, IgnoringCells(other), options)).male;
+  return ToMetrics(CompareCells(CellSource(reference), CellSource(other), options));
 }
 
 }  // namespace gonio

@@ -4,7 +4,6 @@
 #pragma once
 
 #include "brdf/brdf.h"
-#include "brdf/merl_table.h"
 #include "core/units.h"
 
 namespace gonio {
@@ -49,10 +48,5 @@ struct ErrorMetrics {
 
 // Evaluates both at cell centres; at most 1.1 million times, so about 0.1 s plus what Eval takes.
 ErrorMetrics Compare(const Brdf& reference, const Brdf& other, const MetricOptions& options = {});
-ErrorMetrics Compare(const Brdf& reference, const BrdfFunction& other,
-                     const MetricOptions& options = {});
-
-// ErrorMetrics::male alone, for inner loops.
-double Male(const Brdf& reference, const BrdfFunction& other, const MetricOptions& options = {});
 
 }  // namespace gonio

@@ -192,15 +192,6 @@ TEST(Compare, IsNearlyTheSameOnEveryFourthPhi) {
   EXPECT_NEAR(fourth.male, full.male, 0.01 * full.male);
 }
 
-TEST(Compare, TakesAPlainFunction) {
-  const BrdfFunction metal = [](const HalfDiff& x) { return Metal().Eval(x); };
-  const MetricOptions options{.phi_stride = 10};
-  const ErrorMetrics expected = Compare(Paint(), Metal(), options);
-  EXPECT_EQ(Compare(Paint(), metal, options).male, expected.male);
-  EXPECT_EQ(Compare(Paint(), metal, options).log_mse, expected.log_mse);
-  EXPECT_EQ(Male(Paint(), metal, options), expected.male);
-}
-
 TEST(MetricOptions, PassTheirOwnCheckByDefault) { EXPECT_NO_THROW(MetricOptions{}.Check()); }
 
 TEST(MetricOptions, AreRefusedByName) {

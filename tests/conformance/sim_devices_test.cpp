@@ -2,6 +2,7 @@
 // The simulated devices keep the promises of drivers/.
 #include "sim/sim_axis.h"
 #include "sim/sim_rig.h"
+#include "tests/brdf/function_brdf.h"
 #include "tests/conformance/axis.h"
 #include "tests/conformance/camera.h"
 #include "tests/conformance/light.h"
@@ -9,13 +10,7 @@
 namespace gonio {
 namespace {
 
-class Grey final : public Brdf {
- public:
-  std::optional<Rgb> Eval(const HalfDiff&) const override { return Rgb(Rgb::Constant(0.3)); }
-  std::string name() const override { return "grey"; }
-};
-
-const Grey kGrey;
+const FunctionBrdf kGrey([](const HalfDiff&) { return Rgb(Rgb::Constant(0.3)); });
 
 AxisSubject SimAxisSubject(const SimAxisOptions& options) {
   const AxisLimits limits = {.min_position = -3,

@@ -8,28 +8,17 @@
 #include <numeric>
 
 #include "core/units.h"
+#include "tests/brdf/function_brdf.h"
 
 namespace gonio {
 namespace {
-
-// f_r as any function of the angles.
-class FunctionBrdf final : public Brdf {
- public:
-  using Function = std::function<std::optional<Rgb>(const HalfDiff&)>;
-  explicit FunctionBrdf(Function function) : function_(std::move(function)) {}
-  std::optional<Rgb> Eval(const HalfDiff& angles) const override { return function_(angles); }
-  std::string name() const override { return "function"; }
-
- private:
-  Function function_;
-};
 
 // Light 60 deg from the normal, camera on the normal; 1000 electrons per second at f_r = 1.
 struct Bench {
   explicit Bench(const SimConfig& config, double f_r = 1, int side = 8)
       : Bench(
             config, [f_r](const HalfDiff&) { return Rgb(f_r, f_r / 2, f_r / 4); }, side) {}
-  Bench(const SimConfig& config, FunctionBrdf::Function function, int side = 8)
+  Bench(const SimConfig& config, BrdfFunction function, int side = 8)
       : sample(std::move(function)), lamp(std::make_shared<SimLamp>(0)) {
     lamp->set_level(1);
     const double positions[4] = {0.3, RadFromDeg(30), 2, kPi / 2};

@@ -6,17 +6,12 @@
 #include <vector>
 
 #include "core/units.h"
+#include "tests/brdf/function_brdf.h"
 
 namespace gonio {
 namespace {
 
-class Grey final : public Brdf {
- public:
-  std::optional<Rgb> Eval(const HalfDiff&) const override { return Rgb(Rgb::Constant(0.3)); }
-  std::string name() const override { return "grey"; }
-};
-
-const Grey kGrey;
+const FunctionBrdf kGrey([](const HalfDiff&) { return Rgb(Rgb::Constant(0.3)); });
 
 SimSetup SmallRig() {
   SimSetup setup;
