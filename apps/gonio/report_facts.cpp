@@ -134,7 +134,7 @@ ReportFacts GatherFacts(const std::filesystem::path& dir) {
   ReportFacts facts;
   facts.dir = dir;
   facts.session = ReadSession(dir);
-  facts.plan = ParsePlan(facts.session.info.plan_text, "the session's plan");
+  facts.plan = ParsePlan(facts.session.info.plan_text, facts.session.info.plan_path);
   facts.rig = RigOf(facts.session.info);
   try {
     ReadEvents(&facts);

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 // gonio report: the page, and what happens when it cannot be made.
 
+#include <filesystem>
+#include <fstream>
 #include <regex>
 #include <set>
 
+#include "fitting/prior.h"
 #include "tests/apps/gonio_process.h"
 
 namespace gonio {
@@ -40,6 +43,18 @@ class Report : public GonioTest {
     return ReadTextFile(work() / name);
   }
 };
+
+// Example failure is a prior looked for beside the caller, not beside the plan that names it.
+TEST_F(Report, FindsThePriorThatThePlanNames) {
+  std::filesystem::create_directory(work() / "plans");
+  WritePrior(work() / "plans/mine.yaml", GenericPrior());
+  std::ofstream(work() / "plans/plan.yaml")
+      << "version: 1\nname: mine\nplanner: information\nmax_poses: 12\n"
+         "fit: {prior: mine.yaml}\n";
+  Run("--plan plans/plan.yaml");
+  Expect("report s");
+  EXPECT_THAT(Missing(Page(), {"Nothing unusual"}), IsEmpty());
+}
 
 TEST_F(Report, ShowsWhatWasMeasuredHowGoodItIsAndWhatItSaved) {
   Run("--max-poses 14");
