@@ -109,6 +109,7 @@ std::vector<Minimum> BestMinima(const Posterior& posterior,
                                 const std::vector<Eigen::VectorXd>& starts,
                                 const FitOptions& options) {
   std::vector<Minimum> minima;
+  minima.reserve(starts.size());
   for (const Eigen::VectorXd& start : starts) {
     minima.push_back(Minimise(posterior, start, options.max_iterations, 10 * options.tolerance));
   }
