@@ -33,12 +33,27 @@ Action SetUpRun(CLI::App& app) {
 
 Action SetUpFit(CLI::App& app) {
   auto o = std::make_shared<FitCommandOptions>();
-  app.add_option("input", o->input, "A MERL .binary, samples .csv, or a session directory")
+  app.add_option("input", o->input,
+                 "A MERL .binary, RGL .bsdf, material .yaml, samples .csv, or a session directory")
       ->required();
   app.add_option("--out", o->out, "Fit file to write (.yaml)")->required();
-  app.add_option("--lobes", o->lobes, "Lobes per channel (default: the prior's, or 3)")
-      ->check(CLI::Range(1, 5));
-  app.add_option("--prior", o->prior, kPrior)->capture_default_str();
+  app.add_option("--method", o->method,
+                 "em: slice by slice as published; joint: all lobes of a slice together; "
+                 "continuous: splines over theta_d with a prior")
+      ->check(CLI::IsMember({"em", "joint", "continuous"}))
+      ->capture_default_str();
+  app.add_option("--lobes", o->lobes,
+                 "Lobes per channel; auto: as many as BIC likes (default: the prior's, or 3)")
+      ->check(CLI::IsMember({"1", "2", "3", "4", "5", "auto"}));
+  app.add_option("--keep-every", o->keep_every, "Keep every n-th theta_h only")
+      ->check(CLI::Range(1, 90))
+      ->capture_default_str();
+  app.add_option("--slice-step-deg", o->slice_step_deg,
+                 "theta_d between the slices of em and joint")
+      ->check(CLI::Range(1.0, 30.0))
+      ->capture_default_str();
+  app.add_option("--prior", o->prior, std::string(kPrior) + ", for continuous")
+      ->capture_default_str();
   return [o] { return FitCommand(*o); };
 }
 
@@ -64,7 +79,69 @@ Action SetUpCompare(CLI::App& app) {
   app.add_option("--phi-stride", o->phi_stride, "Look at every n-th phi_d cell only")
       ->check(CLI::Range(1, 180))
       ->capture_default_str();
+  app.add_flag("!--no-render", o->render, "Do not render spheres and compare these");
   return [o] { return CompareCommand(*o); };
+}
+
+Action SetUpStudy(CLI::App& app) {
+  auto o = std::make_shared<StudyOptions>();
+  app.add_option("study", o->study, "Study file, e.g. study-thinning.yaml")->required();
+  app.add_option("--materials", o->materials,
+                 "Folders in which the study's materials are (default: the study file's own)");
+  app.add_option("--out", o->out, "Folder for the results; a study begun there is continued")
+      ->required();
+  app.add_option("--threads", o->threads, "Cells at a time (default: every core)")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("--quiet", o->quiet, "No progress, only the summary");
+  return [o] { return StudyCommand(*o); };
+}
+
+Action SetUpPlot(CLI::App& app) {
+  auto o = std::make_shared<PlotOptions>();
+  app.add_option("input", o->input, "A fit file, a session directory or a study's folder")
+      ->required();
+  app.add_option("--out", o->out, "Picture to write: .png or .svg")->required();
+  app.add_option("--kind", o->kind,
+                 "slice: data, lobes and their sum at one theta_d; error-map: where the error is; "
+                 "density: a study's error against density (default: what suits the input)")
+      ->check(CLI::IsMember({"slice", "error-map", "density"}));
+  app.add_option("--reference", o->reference, "What was fitted; needed for an error map");
+  app.add_option("--theta-d-deg", o->theta_d_deg, "Of the slice")
+      ->check(CLI::Range(0.0, 90.0))
+      ->capture_default_str();
+  app.add_option("--colour", o->colour, "Of the slice or the error map")
+      ->check(CLI::IsMember({"red", "green", "blue"}))
+      ->capture_default_str();
+  app.add_option("--keep-every", o->keep_every, "Show every n-th theta_h of the data only")
+      ->check(CLI::Range(1, 90))
+      ->capture_default_str();
+  app.add_option("--method", o->method, "Of a study with several (default: one panel for each)")
+      ->check(CLI::IsMember({"em", "joint", "continuous"}));
+  return [o] { return PlotCommand(*o); };
+}
+
+Action SetUpRender(CLI::App& app) {
+  auto o = std::make_shared<RenderCommandOptions>();
+  app.add_option("inputs", o->inputs, "Reflectances of any kind; several are shown side by side")
+      ->required();
+  app.add_option("--out", o->outs,
+                 "Image to write: .png (tone-mapped), .hdr or .exr (linear); can be repeated")
+      ->required();
+  app.add_option("--light", o->light, "point: one distant light; env: light from all around")
+      ->check(CLI::IsMember({"point", "env"}))
+      ->capture_default_str();
+  app.add_option("--environment", o->environment,
+                 "Equirectangular .hdr or .exr for --light env (default: a built-in sky)");
+  app.add_option("--size", o->size, "Of each sphere's image, in pixels")
+      ->check(CLI::Range(16, 4096))
+      ->capture_default_str();
+  app.add_option("--samples", o->samples, "Directions of light per pixel, for --light env")
+      ->check(CLI::Range(1, 65536))
+      ->capture_default_str();
+  app.add_option("--exposure", o->exposure,
+                 "Factor on the linear values before they are shown; auto: the first input's")
+      ->capture_default_str();
+  return [o] { return RenderCommand(*o); };
 }
 
 Action SetUpSimulate(CLI::App& app) {
@@ -105,6 +182,10 @@ constexpr Command kCommands[] = {
     {"export", "Turn a session or a fit into other people's formats", SetUpExport},
     {"compare", "How far one reflectance is from another", SetUpCompare},
     {"simulate", "What plans would cost and bring on a rig; keeps no session", SetUpSimulate},
+    {"study", "Fit many materials in many ways and thinnings; continues where it stopped",
+     SetUpStudy},
+    {"plot", "Draw a fit's slices, its errors, or a study (needs gnuplot)", SetUpPlot},
+    {"render", "Render spheres of reflectances", SetUpRender},
     {"report", "Show a session as one HTML page with pictures (needs gnuplot)", SetUpReport},
 };
 

@@ -36,12 +36,47 @@ struct RunOptions {
 int RunCommand(const RunOptions& options);
 
 struct FitCommandOptions {
-  std::filesystem::path input;  // .binary, .csv or a session
+  std::filesystem::path input;  // .binary, .bsdf, material .yaml, .csv or a session
   std::filesystem::path out;
-  int lobes = 0;  // 0: the prior's, or 3
+  std::string method = "continuous";  // "em", "joint", "continuous"
+  std::string lobes;                  // "1" .. "5", "auto" (by BIC), or empty: the prior's, or 3
+  int keep_every = 1;                 // thinning of theta_h
+  double slice_step_deg = 5;
   std::string prior = "generic";
 };
 int FitCommand(const FitCommandOptions& options);
+
+struct StudyOptions {
+  std::filesystem::path study;                   // a study file
+  std::vector<std::filesystem::path> materials;  // folders to look for its materials in
+  std::filesystem::path out;                     // a folder; a study in it is continued
+  int threads = 0;                               // 0: every core
+  bool quiet = false;
+};
+int StudyCommand(const StudyOptions& options);
+
+struct PlotOptions {
+  std::filesystem::path input;  // a fit, a session or a study folder
+  std::filesystem::path out;    // .png or .svg
+  std::string kind;             // "slice", "error-map", "density"; empty: what suits the input
+  std::string reference;        // what was fitted: the data of a slice, the truth of an error map
+  double theta_d_deg = 5;
+  std::string colour = "green";
+  int keep_every = 1;  // which theta_h of the reference to show as data
+  std::string method;  // of a study: only this one
+};
+int PlotCommand(const PlotOptions& options);
+
+struct RenderCommandOptions {
+  std::vector<std::string> inputs;          // several: side by side
+  std::vector<std::filesystem::path> outs;  // .png tone-mapped, .hdr or .exr linear
+  std::string light = "point";              // "point" or "env"
+  std::filesystem::path environment;        // .hdr or .exr; empty: the built-in sky
+  int size = 256;
+  int samples = 256;
+  std::string exposure = "auto";  // or a number: linear values are multiplied by it
+};
+int RenderCommand(const RenderCommandOptions& options);
 
 struct ExportOptions {
   std::filesystem::path input;
@@ -56,6 +91,7 @@ struct CompareOptions {
   std::filesystem::path json;  // empty: none
   double max_theta_deg = 80;
   int phi_stride = 1;
+  bool render = true;  // compare renders, too
 };
 int CompareCommand(const CompareOptions& options);
 

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,10 @@ struct Plot {
 // Takes some 30 ms. Throws std::runtime_error "gnuplot not found: ...", or "gnuplot: ..." if it
 // fails.
 std::string RenderSvg(const Plot& plot, const std::string& id_prefix);
+
+// Writes the picture as a .png (150 dpi for a page 16 cm wide) or .svg, by extension. Throws
+// ConfigError "PATH: ..." on another extension; else as RenderSvg.
+void WritePlot(const std::filesystem::path& path, const Plot& plot);
 
 // `text` with &, <, > and quotes escaped, as SVG and HTML want it.
 std::string XmlText(const std::string& text);

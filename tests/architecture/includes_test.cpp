@@ -43,7 +43,8 @@ const std::vector<Fence> kFences = {
     {"nlohmann/", {"acquisition", "apps"}, false},
     {"fmt/", {"core", "brdf", "fitting", "planner", "acquisition", "sim", "apps"}, true},
     {"openssl/", {"acquisition"}, true},
-    {"ceres/", {}, true},
+    {"ceres/", {"fitting"}, true},
+    {"opencv2/", {"brdf"}, true},
 };
 
 struct Include {

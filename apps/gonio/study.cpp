@@ -1,0 +1,9 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/gonio/commands.h"
+#include "core/error.h"
+
+namespace gonio {
+
+int StudyCommand(const StudyOptions&) { throw ConfigError("not built yet"); }
+
+}  // namespace gonio
