@@ -59,11 +59,12 @@ Input ReadInput(const std::filesystem::path& path) {
 
 int FitCommand(const FitCommandOptions& options) {
   DsbrdfShape shape;
-  if (options.lobes != 0) shape.lobes = options.lobes;
+  const int lobes = options.lobes.empty() ? 0 : std::stoi(options.lobes);
+  if (lobes != 0) shape.lobes = lobes;
   const Prior prior = OpenPrior(options.prior, shape);
-  if (options.lobes != 0 && prior.shape.lobes != options.lobes) {
+  if (lobes != 0 && prior.shape.lobes != lobes) {
     throw ConfigError(fmt::format("{}: is a prior for {} lobes, not {}", options.prior,
-                                  prior.shape.lobes, options.lobes));
+                                  prior.shape.lobes, lobes));
   }
   const Input input = ReadInput(options.input);
   if (input.samples.empty()) {
