@@ -36,4 +36,11 @@ std::optional<Rgb> Dsbrdf::Eval(const HalfDiff& angles) const {
   return f_r;
 }
 
+std::vector<Lobe> Dsbrdf::LobesAt(double theta_d, int channel) const {
+  const Slice slice(shape_, parameters_, theta_d);
+  std::vector<Lobe> lobes;
+  for (int k = 0; k < shape_.lobes; ++k) lobes.push_back(slice.lobe(channel, k));
+  return lobes;
+}
+
 }  // namespace gonio

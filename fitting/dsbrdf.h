@@ -5,8 +5,9 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <vector>
 
-#include "brdf/brdf.h"
+#include "fitting/lobe_model.h"
 
 namespace gonio {
 
@@ -38,7 +39,7 @@ void CheckShape(const DsbrdfShape& shape);
 //
 // log kappa_k and log gamma_k are cubic B-splines of theta_d (fitting/spline.h). Lobes are ordered
 // from the broadest (small gamma: the diffuse part) to the narrowest. f does not depend on phi_d.
-class Dsbrdf final : public Brdf {
+class Dsbrdf final : public LobeModel {
  public:
   // Throws ConfigError if the shape is out of range. Precondition: parameters.size() ==
   // shape.size().
@@ -48,6 +49,8 @@ class Dsbrdf final : public Brdf {
   // Never empty above the horizon.
   std::optional<Rgb> Eval(const HalfDiff& angles) const override;
   std::string name() const override { return name_; }
+  int lobes() const override { return shape_.lobes; }
+  std::vector<Lobe> LobesAt(double theta_d, int channel) const override;
 
   const DsbrdfShape& shape() const { return shape_; }
   const Eigen::VectorXd& parameters() const { return parameters_; }

@@ -47,14 +47,18 @@ struct Prediction {
   Rgb sigma = Rgb::Zero();  // standard deviation of f_r, 1/sr
 };
 
-// A fit is a Brdf that also knows how sure it is.
-class DsbrdfFit final : public Brdf {
+// A fit is a reflectance that also knows how sure it is.
+class DsbrdfFit final : public LobeModel {
  public:
   DsbrdfFit(Dsbrdf model, Eigen::MatrixXd covariance, FitSummary summary);
 
   using Brdf::Eval;
   std::optional<Rgb> Eval(const HalfDiff& angles) const override { return model_.Eval(angles); }
   std::string name() const override { return model_.name(); }
+  int lobes() const override { return model_.lobes(); }
+  std::vector<Lobe> LobesAt(double theta_d, int channel) const override {
+    return model_.LobesAt(theta_d, channel);
+  }
 
   // f_r with the standard deviation that parameter covariance and model error leave.
   Prediction Predict(const HalfDiff& angles) const;

@@ -7,12 +7,10 @@
 #include <array>
 
 #include "fitting/dsbrdf.h"
+#include "fitting/hemi_epd.h"
 #include "fitting/spline.h"
 
 namespace gonio {
-
-// log cos theta_h, kept finite at the horizon: what the lobes are functions of.
-double LogCos(double theta_h);
 
 // kappa and gamma of every lobe and channel where theta_d is fixed.
 //
@@ -29,19 +27,14 @@ class Slice {
   double EvalWithGradient(int channel, double log_cos, double* gradient) const;
 
   const SplineBasis& basis() const { return basis_; }
-  double kappa(int channel, int lobe) const { return lobes_[channel][lobe].kappa; }
-  double gamma(int channel, int lobe) const { return lobes_[channel][lobe].gamma; }
+  const Lobe& lobe(int channel, int k) const { return lobes_[channel][k].lobe(); }
+  double kappa(int channel, int k) const { return lobe(channel, k).kappa; }
+  double gamma(int channel, int k) const { return lobe(channel, k).gamma; }
 
  private:
-  struct Lobe {
-    double kappa = 0;
-    double gamma = 0;
-    bool kappa_held = false;  // at its bound: derivative zero
-    bool gamma_held = false;
-  };
   int lobe_count_;
   SplineBasis basis_;
-  std::array<std::array<Lobe, kMaxLobes>, kChannels> lobes_;
+  std::array<std::array<BoundedLobe, kMaxLobes>, kChannels> lobes_;
 };
 
 }  // namespace gonio

@@ -15,7 +15,7 @@ namespace gonio {
 // One theta_h of a slice.
 struct SlicePoint {
   double theta_h = 0;  // rad
-  double width = 0;    // rad: the range of theta_h it stands for
+  double width = 0;    // rad: the range of theta_h it stands for in the full table; 0: unknown
   // Means over the phi_d at which both directions are above the horizon and f_r is known:
   double f_r = 0;          // 1/sr
   double cos_theta_i = 0;  // their mean
@@ -44,8 +44,9 @@ std::vector<SliceData> SlicesOf(const Brdf& brdf, const SliceOptions& options);
 // One slice of it.
 SliceData SliceAt(const Brdf& brdf, int theta_d_cell, const SliceOptions& options);
 
-// Scattered samples put into the slices they are nearest to; each is a point of its own. keep_every
-// thins the points of each slice, in order of theta_h. Slices without samples are left out.
+// Scattered samples put into the slices they are nearest to, which are at multiples of the step;
+// each is a point of its own. Slices without samples are left out. Throws ConfigError if keep_every
+// is not 1.
 std::vector<SliceData> SlicesOf(std::span<const BrdfSample> samples, const SliceOptions& options);
 
 }  // namespace gonio

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fitting/interpolating_spline.h"
 #include "fitting/lobe_model.h"
 
 namespace gonio {
@@ -61,11 +62,14 @@ class SlicedDsbrdf final : public LobeModel {
   int parameter_count() const;
 
  private:
+  void BuildCurves(int channel);
+
   SliceMethod method_;
   std::array<std::vector<FittedSlice>, kChannels> slices_;
   std::vector<SliceReport> reports_;
   std::string name_;
   int lobes_ = 0;
+  std::array<std::vector<InterpolatingSpline>, kChannels> kappa_, gamma_;  // one for each lobe
 };
 
 }  // namespace gonio

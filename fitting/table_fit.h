@@ -5,7 +5,9 @@
 
 #include <array>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fitting/fit.h"
@@ -30,7 +32,7 @@ struct TableFitOptions {
   FitOptions continuous;
 };
 
-// A channel that could not be fitted.
+// A channel that could not be fitted, and why.
 struct ChannelFailure {
   int channel = 0;
   std::string
@@ -40,15 +42,35 @@ struct ChannelFailure {
 struct TableFit {
   std::unique_ptr<LobeModel> model;  // null if every channel failed
   std::vector<ChannelFailure> failures;
+  // What a user should know of channels that were fitted all the same: slices left out as nothing
+  // could be fitted there (the others are interpolated), constant data.
+  std::vector<ChannelFailure> warnings;
   int parameters = 0;   // numbers that describe the model
   int unconverged = 0;  // slices, or 1 if the continuous fit did not converge
 };
 
-// Deterministic and single-threaded. Throws ConfigError on options out of range only: what is wrong
-// with the data comes back as failures, so that the other channels are not lost.
+// A channel fails if fewer than half of its slices can be fitted; `WhyNotFittable` (slice_fit.h)
+// lists the reasons. Deterministic and single-threaded. Throws ConfigError on options out of range
+// only: what is wrong with the data comes back as failures, so that the other channels are not
+// lost.
 TableFit FitTable(const Brdf& brdf, const TableFitOptions& options);
 
 // The same for scattered samples (a CSV file, a session).
 TableFit FitSamples(std::span<const BrdfSample> samples, const TableFitOptions& options);
+
+// The phi_d-averaged points of slices as readings across the half vector's plane (phi_d = 90 deg),
+// with the noise of a fair instrument: what the continuous fit of a table starts from. The channels
+// that are not asked for, and points where nothing is known, have an infinite sigma.
+std::vector<BrdfSample> SamplesOf(std::span<const SliceData> slices,
+                                  const std::array<bool, kChannels>& channels);
+
+// Bayes' information criterion (Schwarz, Annals of Statistics 6, 1978) of a model with so many
+// parameters, from its residuals in ln(1 + f cos theta_i) at the points of the slices:
+// n ln(sum r^2 / n) + parameters ln n. Smaller is better; compare on the same slices only.
+double Bic(const LobeModel& model, int parameters, std::span<const SliceData> slices);
+
+// FitTable with each number of lobes from 1 to kMaxLobes; the one that BIC prefers.
+// `options.lobes` is ignored. Throws ConfigError if a prior is given: it fixes the lobes.
+TableFit FitTableChoosingLobes(const Brdf& brdf, TableFitOptions options);
 
 }  // namespace gonio
