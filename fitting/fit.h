@@ -82,7 +82,9 @@ DsbrdfFit FitDsbrdf(std::span<const BrdfSample> samples, const Prior& prior,
 DsbrdfFit RefitDsbrdf(std::span<const BrdfSample> samples, const Prior& prior,
                       const FitOptions& options, const Eigen::VectorXd& start, double model_error);
 
-// FIT.yaml (docs/data-format.md), written atomically; reading throws ConfigError.
+// FIT.yaml (docs/data-format.md), written atomically; reading throws ConfigError. Version 1 held
+// only this kind of fit and is still read; fitting/table_fit.h reads and writes every kind.
+inline constexpr int kFitFileVersion = 2;
 void WriteFit(const std::filesystem::path& path, const DsbrdfFit& fit);
 DsbrdfFit ReadFit(const std::filesystem::path& path);
 

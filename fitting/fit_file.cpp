@@ -17,8 +17,8 @@ void WriteFit(const std::filesystem::path& path, const DsbrdfFit& fit) {
     out << fmt::format(
         "# A continuous DSBRDF: log kappa and log gamma of each lobe as cubic B-splines over\n"
         "# theta_d; parameter order: channel, lobe, kappa then gamma, knot.\n"
-        "format: gonio-fit\nversion: 1\nlobes: {}\nknots: {}\n",
-        shape.lobes, shape.knots);
+        "format: gonio-fit\nversion: {}\nmethod: continuous\nlobes: {}\nknots: {}\n",
+        kFitFileVersion, shape.lobes, shape.knots);
     out << fmt::format(
         "summary:\n  converged: {}\n  reason: {}\n  samples: {}\n  residuals: {}\n"
         "  iterations: {}\n  starts: {}\n  cost: {}\n  model_error: {}\n  floor_per_sr: {}\n",
@@ -32,7 +32,7 @@ void WriteFit(const std::filesystem::path& path, const DsbrdfFit& fit) {
 DsbrdfFit ReadFit(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::Load(path);
   root.Choice("format", {"gonio-fit"});
-  root.Integer("version", 1, 1);
+  if (root.Integer("version", 1, kFitFileVersion) > 1) root.Choice("method", {"continuous"});
   DsbrdfShape shape;
   shape.lobes = root.Integer("lobes", 1, kMaxLobes);
   shape.knots = root.Integer("knots", kMinKnots, kMaxKnots);

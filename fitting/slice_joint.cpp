@@ -18,8 +18,11 @@ namespace {
 // Widths of the narrowest lobe that starts try: from a satin gloss to a mirror.
 constexpr std::array<double, 5> kNarrowestStarts = {5, 30, 150, 800, 5000};
 constexpr int kMaxSteps = 60;
-constexpr double kFewerSteps =
-    1e-3;  // sweeps end when no slice's cost falls by more than this share
+
+// Sweeps end when no slice's cost falls by more than this share and this much: its unit is half a
+// squared model error, so that such falls change nothing that can be seen.
+constexpr double kSettledShare = 2e-3;
+constexpr double kSettledFall = 0.05;
 
 struct Reading {
   double log_cos;
@@ -67,6 +70,12 @@ class SliceProblem {
 
   int NumResiduals() const {
     return static_cast<int>(readings_.size() + 2 * K * neighbours_.size());
+  }
+
+  double Cost(const Logs& logs) const {
+    Eigen::VectorXd residuals(NumResiduals());
+    (*this)(logs.data(), residuals.data(), nullptr);
+    return residuals.squaredNorm() / 2;
   }
 
   bool operator()(const double* logs, double* residuals, double* jacobian) const {
@@ -130,20 +139,14 @@ class Chain {
   }
 
   std::vector<SliceFit> Run() {
-    bool settled = false;
+    const int last = static_cast<int>(states_.size()) - 1;
+    bool settled = last == 0;
     for (int sweep = 0; sweep < options_.sweeps && !settled; ++sweep) {
-      double fall = 0;
-      double total = 0;
-      const int last = static_cast<int>(states_.size()) - 1;
-      for (int i = 0; i <= last; ++i) {
-        const int at = sweep % 2 == 0 ? i : last - i;
-        fall += Refit(at);
-        total += states_[at].cost;
-      }
-      settled = sweep > 0 && fall < kFewerSteps * total;
+      settled = true;
+      for (int i = 0; i <= last; ++i) settled &= Refit(sweep % 2 == 0 ? i : last - i);
     }
     std::vector<SliceFit> fits;
-    for (const State& state : states_) fits.push_back(ToFit(state, settled));
+    for (const State& state : states_) fits.push_back(ToFit(state));
     return fits;
   }
 
@@ -152,6 +155,7 @@ class Chain {
     Logs logs;
     double cost = std::numeric_limits<double>::infinity();
     int iterations = 0;
+    bool settled = true;
   };
 
   State Solve(const Problem& problem, const Logs& start) {
@@ -192,35 +196,33 @@ class Chain {
     for (int k = 0; k < K; ++k) logs->template segment<2>(2 * k) = lobes[k];
   }
 
-  // From where the slice and its neighbours stand; how far its cost fell.
-  double Refit(int at) {
+  // From where the slice and its neighbours stand. Whether its cost hardly fell.
+  bool Refit(int at) {
     std::vector<Logs> neighbours;
     if (at > 0) neighbours.push_back(states_[at - 1].logs);
     if (at + 1 < static_cast<int>(states_.size())) neighbours.push_back(states_[at + 1].logs);
     problems_[at].set_neighbours(neighbours);
+    const double before = problems_[at].Cost(states_[at].logs);
     State best = Solve(problems_[at], states_[at].logs);
-    std::vector<double> residuals(problems_[at].NumResiduals());
-    problems_[at](states_[at].logs.data(), residuals.data(), nullptr);
-    double before = 0;
-    for (const double r : residuals) before += 0.5 * r * r;
     for (const Logs& start : neighbours) {
       const State state = Solve(problems_[at], start);
       if (state.cost < best.cost) best = state;
     }
     best.iterations += states_[at].iterations;
+    best.settled = before - best.cost < kSettledShare * before + kSettledFall;
     states_[at] = best;
-    return before - best.cost;
+    return best.settled;
   }
 
-  SliceFit ToFit(const State& state, bool settled) const {
+  static SliceFit ToFit(const State& state) {
     SliceFit fit;
     for (int k = 0; k < K; ++k) {
       fit.lobes.push_back(BoundedLobe(state.logs[2 * k], state.logs[2 * k + 1]).lobe());
     }
     fit.iterations = state.iterations;
-    fit.converged = settled || states_.size() == 1;
+    fit.converged = state.settled;
     fit.cost = state.cost;
-    fit.reason = fit.converged ? "cost no longer falls" : "limit of sweeps";
+    fit.reason = state.settled ? "cost no longer falls" : "limit of sweeps";
     return fit;
   }
 

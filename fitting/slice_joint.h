@@ -15,7 +15,7 @@ struct JointOptions {
   double model_error = 0.005;  // > 0: spread of ln(1 + f cos theta_i) that lobes are not to explain
   double coupling = 0.5;  // > 0: how much log kappa and log gamma may differ between neighbours
   double huber = 1;       // > 0: residuals beyond this many model errors count linearly
-  int sweeps = 6;         // >= 0: passes over the slices after each has been fitted alone
+  int sweeps = 20;  // >= 0: at most so many passes over the slices after each has been fitted alone
 };
 
 // Fits the slices of one channel, in order of theta_d. Minimises

@@ -72,4 +72,7 @@ class SlicedDsbrdf final : public LobeModel {
   std::array<std::vector<InterpolatingSpline>, kChannels> kappa_, gamma_;  // one for each lobe
 };
 
+// A fit file (docs/data-format.md), written atomically.
+void WriteFit(const std::filesystem::path& path, const SlicedDsbrdf& fit);
+
 }  // namespace gonio

@@ -73,4 +73,8 @@ double Bic(const LobeModel& model, int parameters, std::span<const SliceData> sl
 // `options.lobes` is ignored. Throws ConfigError if a prior is given: it fixes the lobes.
 TableFit FitTableChoosingLobes(const Brdf& brdf, TableFitOptions options);
 
+// A fit file of whichever kind. Reading throws ConfigError.
+void WriteFit(const std::filesystem::path& path, const LobeModel& model);
+std::unique_ptr<LobeModel> ReadAnyFit(const std::filesystem::path& path);
+
 }  // namespace gonio

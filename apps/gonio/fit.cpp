@@ -1,81 +1,128 @@
 // SPDX-License-Identifier: Apache-2.0
-// gonio fit: a table, samples or a session, fitted again.
-
-#include "fitting/fit.h"
+// gonio fit: a table, a material, samples or a session, fitted by one of three methods.
 
 #include <fmt/format.h>
 
-#include <optional>
+#include <algorithm>
+#include <memory>
+#include <variant>
 
 #include "acquisition/session_record.h"
 #include "apps/gonio/commands.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/summary.h"
 #include "brdf/merl_table.h"
-#include "brdf/metrics.h"
+#include "brdf/open.h"
 #include "brdf/samples_csv.h"
 #include "core/error.h"
-#include "planner/candidates.h"
+#include "fitting/table_fit.h"
 #include "planner/plan.h"
 
 namespace gonio {
 namespace {
 
-struct Input {
-  std::vector<BrdfSample> samples;
-  std::optional<MerlTable> table;  // the truth, if the input is one
-};
-
-// One sample for each (theta_h, theta_d) of the raster a session chooses from, with the noise of a
-// fair instrument.
-std::vector<BrdfSample> DenseSamples(const MerlTable& table) {
-  std::vector<BrdfSample> samples;
-  for (const Candidate& candidate : MakeCandidates({}, {})) {
-    const std::optional<Rgb> f_r = table.Eval(candidate.angles);
-    if (!f_r) continue;
-    const Rgb sigma = kDefaultRelativeSigma * f_r->abs() + kDefaultSigmaFloor;
-    samples.push_back({candidate.directions, *f_r, sigma});
-  }
-  return samples;
-}
+// What is known everywhere, or scattered samples.
+using Input = std::variant<std::unique_ptr<Brdf>, std::vector<BrdfSample>>;
 
 Input ReadInput(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) return {ReadSession(path).Samples(), {}};
-  const std::string extension = path.extension().string();
-  if (extension == ".csv") {
-    Input input;
-    for (const MeasuredSample& row : ReadSamplesCsv(path)) input.samples.push_back(row.sample);
-    return input;
+  if (std::filesystem::is_directory(path)) return ReadSession(path).Samples();
+  if (path.extension() == ".csv") {
+    std::vector<BrdfSample> samples;
+    for (const MeasuredSample& row : ReadSamplesCsv(path)) samples.push_back(row.sample);
+    return samples;
   }
-  if (extension == ".binary") {
-    MerlTable table = MerlTable::Open(path);
-    std::vector<BrdfSample> samples = DenseSamples(table);
-    return {std::move(samples), std::move(table)};
+  if (IsFitFile(path)) throw ConfigError(path.string() + ": is a fit already");
+  return OpenBrdf(path);
+}
+
+TableFit Fit(const Input& input, const FitCommandOptions& options, TableFitOptions fit_options) {
+  const auto* samples = std::get_if<std::vector<BrdfSample>>(&input);
+  if (samples != nullptr && samples->empty()) {
+    throw ConfigError(options.input.string() + ": holds no sample to fit");
   }
-  throw ConfigError(path.string() + ": can fit a .binary, a .csv or a session directory only");
+  if (samples != nullptr) {
+    if (options.lobes == "auto") {
+      throw ConfigError("--lobes auto: needs a table, not scattered samples");
+    }
+    return FitSamples(*samples, fit_options);
+  }
+  const Brdf& brdf = *std::get<std::unique_ptr<Brdf>>(input);
+  return options.lobes == "auto" ? FitTableChoosingLobes(brdf, fit_options)
+                                 : FitTable(brdf, fit_options);
+}
+
+void PrintSlices(const SlicedDsbrdf& fit) {
+  const auto& reports = fit.reports();
+  int iterations = 0;
+  int most = 0;
+  int points = 0;
+  for (const SliceReport& report : reports) {
+    iterations += report.iterations;
+    most = std::max(most, report.iterations);
+    points += report.points;
+  }
+  fmt::print("fit              {}, {} lobes, {} slices, {} points\n", NameOf(fit.method()),
+             fit.lobes(), reports.size(), points);
+  const auto unfinished = std::count_if(reports.begin(), reports.end(),
+                                        [](const SliceReport& r) { return !r.converged; });
+  fmt::print("                 {} of {} slices converged; {} iterations, at most {} in a slice\n",
+             reports.size() - unfinished, reports.size(), iterations, most);
+  constexpr int kShown = 3;
+  int shown = 0;
+  for (const SliceReport& report : reports) {
+    if (report.converged || shown++ >= kShown) continue;
+    fmt::print("                 theta_d {:.1f} deg, {}: {}\n", DegFromRad(report.theta_d),
+               kChannelNames[report.channel], report.reason);
+  }
+  if (shown > kShown) {
+    fmt::print("                 and {} more; the fit file lists every slice\n", shown - kShown);
+  }
+}
+
+void PrintSize(int parameters) {
+  constexpr int kTableNumbers = kChannels * MerlTable::kCells;
+  fmt::print("size             {} numbers for a table of {}: {:.0f} times smaller\n", parameters,
+             kTableNumbers, static_cast<double>(kTableNumbers) / parameters);
+}
+
+void Complain(const std::filesystem::path& input, const std::vector<ChannelFailure>& complaints,
+              const char* severity) {
+  for (const ChannelFailure& complaint : complaints) {
+    fmt::print(stderr, "gonio: {}{}, {}: {}\n", severity, input.stem().string(),
+               kChannelNames[complaint.channel], complaint.reason);
+  }
 }
 
 }  // namespace
 
 int FitCommand(const FitCommandOptions& options) {
-  DsbrdfShape shape;
-  const int lobes = options.lobes.empty() ? 0 : std::stoi(options.lobes);
-  if (lobes != 0) shape.lobes = lobes;
-  const Prior prior = OpenPrior(options.prior, shape);
-  if (lobes != 0 && prior.shape.lobes != lobes) {
-    throw ConfigError(fmt::format("{}: is a prior for {} lobes, not {}", options.prior,
-                                  prior.shape.lobes, lobes));
-  }
+  TableFitOptions fit_options;
+  fit_options.method = FitMethodFromName(options.method);
+  fit_options.slices.step = RadFromDeg(options.slice_step_deg);
+  fit_options.slices.keep_every = options.keep_every;
+  const bool counted = !options.lobes.empty() && options.lobes != "auto";
+  if (counted) fit_options.lobes = std::stoi(options.lobes);
+  const Prior prior = OpenPrior(options.prior, {.lobes = fit_options.lobes});
+  if (!counted) fit_options.lobes = prior.shape.lobes;
+  if (options.prior != "generic") fit_options.prior = &prior;
+
   const Input input = ReadInput(options.input);
-  if (input.samples.empty()) {
-    throw ConfigError(options.input.string() + ": holds no sample to fit");
+  const TableFit fit = Fit(input, options, fit_options);
+  Complain(options.input, fit.warnings, "warning: ");
+  Complain(options.input, fit.failures, "");
+  if (!fit.model) throw ConfigError(options.input.string() + ": no colour could be fitted");
+  WriteFit(options.out, *fit.model);
+  if (const auto* sliced = dynamic_cast<const SlicedDsbrdf*>(fit.model.get())) {
+    PrintSlices(*sliced);
+  } else {
+    PrintFit(dynamic_cast<const DsbrdfFit&>(*fit.model), prior);
   }
-  const DsbrdfFit fit = FitDsbrdf(input.samples, prior);
-  WriteFit(options.out, fit);
-  PrintFit(fit, prior);
-  if (input.table) PrintMale(*input.table, fit, "the table");
+  PrintSize(fit.parameters);
+  if (const auto* brdf = std::get_if<std::unique_ptr<Brdf>>(&input)) {
+    PrintMale(**brdf, *fit.model, "the input");
+  }
   fmt::print("wrote            {}\n", options.out.string());
-  return kDone;
+  return fit.failures.empty() ? kDone : kFailed;
 }
 
 }  // namespace gonio

@@ -10,6 +10,7 @@
 #include "brdf/open.h"
 #include "core/config.h"
 #include "core/error.h"
+#include "fitting/table_fit.h"
 #include "planner/plan.h"
 
 namespace gonio {
@@ -34,11 +35,14 @@ bool IsFitFile(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<Brdf> OpenAny(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path)) {
-    return std::make_unique<DsbrdfFit>(FitOfSession(path));
-  }
-  if (IsFitFile(path)) return std::make_unique<DsbrdfFit>(ReadFit(path));
+  if (std::filesystem::is_directory(path) || IsFitFile(path)) return OpenFit(path);
   return OpenBrdf(path);
+}
+
+std::unique_ptr<LobeModel> OpenFit(const std::filesystem::path& path) {
+  if (std::filesystem::is_directory(path)) return std::make_unique<DsbrdfFit>(FitOfSession(path));
+  if (IsFitFile(path)) return ReadAnyFit(path);
+  throw ConfigError(path.string() + ": is neither a fit file nor a session directory");
 }
 
 DsbrdfFit FitOfSession(const std::filesystem::path& dir) {

@@ -10,6 +10,7 @@
 #include "acquisition/session_record.h"
 #include "brdf/brdf.h"
 #include "fitting/fit.h"
+#include "fitting/lobe_model.h"
 #include "fitting/prior.h"
 
 namespace gonio {
@@ -17,6 +18,10 @@ namespace gonio {
 // A MERL .binary, a material .yaml, a fit .yaml (it has a `format` key) or a session directory (its
 // fit). Throws ConfigError "PATH: ...".
 std::unique_ptr<Brdf> OpenAny(const std::filesystem::path& path);
+
+// The fitted model in a fit file, or of a session (its fit). Throws ConfigError "PATH: ...", also
+// if it is neither.
+std::unique_ptr<LobeModel> OpenFit(const std::filesystem::path& path);
 
 // Whether a YAML file says that it is a fit. False for anything else, unreadable files included.
 bool IsFitFile(const std::filesystem::path& path);
