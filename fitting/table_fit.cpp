@@ -154,8 +154,9 @@ std::vector<ChannelFailure> TooLittle(std::span<const BrdfSample> samples, int l
 }
 
 TableFit FitContinuous(std::vector<BrdfSample> samples, const TableFitOptions& options) {
-  const Prior prior =
-      options.prior != nullptr ? *options.prior : GenericPrior({.lobes = options.lobes});
+  const Prior prior = options.prior != nullptr
+                          ? *options.prior
+                          : GenericPrior({.lobes = options.lobes, .knots = options.knots});
   std::array<bool, kChannels> channels = options.channels;
   TableFit fit;
   fit.failures = TooLittle(samples, prior.shape.lobes, channels);

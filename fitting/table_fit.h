@@ -27,9 +27,11 @@ struct TableFitOptions {
   int lobes = 3;        // 1 .. kMaxLobes
   SliceOptions slices;  // the continuous method uses a step of one cell, whatever it says
   std::array<bool, kChannels> channels = {true, true, true};  // which colours to fit
-  // Of the continuous method; null: GenericPrior for `lobes`.
-  const Prior* prior = nullptr;
-  FitOptions continuous;
+  // Of the continuous method. A table is dense and has no noise: finer splines and a loss nearer to
+  // the headline metric than in a session serve it better (docs/fitting.md).
+  FitOptions continuous = {.floor = 0.1, .huber = 0.5};
+  int knots = 12;                // if there is no prior
+  const Prior* prior = nullptr;  // null: GenericPrior for `lobes` and `knots`
 };
 
 // A channel that could not be fitted, and why.

@@ -35,7 +35,8 @@ Input ReadInput(const std::filesystem::path& path) {
   return OpenBrdf(path);
 }
 
-TableFit Fit(const Input& input, const FitCommandOptions& options, TableFitOptions fit_options) {
+TableFit Fit(const Input& input, const FitCommandOptions& options, const Prior& prior,
+             TableFitOptions fit_options) {
   const auto* samples = std::get_if<std::vector<BrdfSample>>(&input);
   if (samples != nullptr && samples->empty()) {
     throw ConfigError(options.input.string() + ": holds no sample to fit");
@@ -44,6 +45,8 @@ TableFit Fit(const Input& input, const FitCommandOptions& options, TableFitOptio
     if (options.lobes == "auto") {
       throw ConfigError("--lobes auto: needs a table, not scattered samples");
     }
+    fit_options.continuous = {};  // readings are noisy: as in a session
+    fit_options.prior = &prior;
     return FitSamples(*samples, fit_options);
   }
   const Brdf& brdf = *std::get<std::unique_ptr<Brdf>>(input);
@@ -107,7 +110,7 @@ int FitCommand(const FitCommandOptions& options) {
   if (options.prior != "generic") fit_options.prior = &prior;
 
   const Input input = ReadInput(options.input);
-  const TableFit fit = Fit(input, options, fit_options);
+  const TableFit fit = Fit(input, options, prior, fit_options);
   Complain(options.input, fit.warnings, "warning: ");
   Complain(options.input, fit.failures, "");
   if (!fit.model) throw ConfigError(options.input.string() + ": no colour could be fitted");
