@@ -19,38 +19,46 @@ constexpr double kLogRelativeEpsilon = 1e-3;
 // Sums over the cells of one theta_h row. Rows are added up in order, whoever computed them: that
 // is what makes the result independent of the number of threads.
 struct Sums {
-  double weight = 0;
-  Rgb male = Rgb::Zero();
-  double log_relative = 0, square = 0, cube_root = 0, log_square = 0;
+  Rgb weight = Rgb::Zero(), male = Rgb::Zero();
+  Rgb count = Rgb::Zero(), log_relative = Rgb::Zero(), square = Rgb::Zero(),
+      cube_root = Rgb::Zero(), log_square = Rgb::Zero();
+  Rgb table_count = Rgb::Zero(), table_square = Rgb::Zero();
   int compared = 0, missing = 0;
 
   void Add(const Sums& row) {
     weight += row.weight;
     male += row.male;
+    count += row.count;
     log_relative += row.log_relative;
     square += row.square;
     cube_root += row.cube_root;
     log_square += row.log_square;
+    table_count += row.table_count;
+    table_square += row.table_square;
     compared += row.compared;
     missing += row.missing;
   }
 };
 
-void AddCell(const Rgb& f, const Rgb& g_raw, double cos_i, double cos_o, double weight,
-             Sums* sums) {
+// One cell of the range that counts. `known`: 1 for the channels that are finite in g, else 0,
+// where g has been set to f.
+void AddCell(const Rgb& f_raw, const Rgb& g_raw, const Rgb& known, double cos_i, double cos_o,
+             double weight, Sums* sums) {
+  const Rgb f = f_raw.max(0);
   const Rgb g = g_raw.max(0);
-  const Rgb log_ratio = ((1 + f * cos_i) / (1 + g * cos_i)).log();
+  const Rgb log_ratio = ((1 + f * cos_i) / (1 + g * cos_i)).log() * known;
   sums->male += weight * log_ratio.abs();
-  sums->weight += weight;
+  sums->weight += weight * known;
+  sums->count += known;
   ++sums->compared;
   const double c = cos_i * cos_o;
   sums->log_relative +=
-      ((f * c + kLogRelativeEpsilon) / (g * c + kLogRelativeEpsilon)).log().square().sum();
-  sums->square += (f - g_raw).square().sum();
-  sums->log_square += log_ratio.square().sum();
+      ((f * c + kLogRelativeEpsilon) / (g * c + kLogRelativeEpsilon)).log().square() * known;
+  sums->square += (f_raw - g_raw).square();
+  sums->log_square += log_ratio.square();
   for (int k = 0; k < kChannels; ++k) {
-    const double root = std::cbrt(f[k] * cos_i) - std::cbrt(g_raw[k] * cos_i);
-    sums->cube_root += root * root;
+    const double root = std::cbrt(f_raw[k] * cos_i) - std::cbrt(g_raw[k] * cos_i);
+    sums->cube_root[k] += root * root;
   }
 }
 
@@ -79,30 +87,55 @@ Cosine PhiCosines() {
   return cosines;
 }
 
+// What both know of a cell.
+struct Pair {
+  Rgb f, g;   // g is f where it is not known
+  Rgb known;  // 1 or 0
+};
+
+// Empty if the reference knows nothing; `missing` is set if only the other one does not.
+std::optional<Pair> Look(const CellSource& reference, const CellSource& other, int h, int d, int p,
+                         bool* missing) {
+  const HalfDiff angles = MerlTable::CellCentre(h, d, p);
+  *missing = false;
+  const std::optional<Rgb> f = reference(h, d, p, angles);
+  if (!f || !f->isFinite().all()) return std::nullopt;
+  const std::optional<Rgb> g = other(h, d, p, angles);
+  *missing = !g || !g->isFinite().any();
+  if (*missing) return std::nullopt;
+  return Pair{*f, g->isFinite().select(*g, *f), g->isFinite().cast<double>()};
+}
+
+// Calls cell(d, cos_i, cos_o, p) for each physical cell of a row.
+template <typename Cell>
+void ForEachCell(int h, const Cosine& cos_phi, int phi_stride, const Cell& cell) {
+  for (int d = 0; d < MerlTable::kThetaD; ++d) {
+    const HalfDiff row = MerlTable::CellCentre(h, d, 0);
+    const double along = std::cos(row.theta_d) * std::cos(row.theta_h);
+    const double across = std::sin(row.theta_d) * std::sin(row.theta_h);
+    for (int p = 0; p < MerlTable::kPhiD; p += phi_stride) {
+      const double cos_i = along - across * cos_phi[p];
+      const double cos_o = along + across * cos_phi[p];
+      if (cos_i > 0 && cos_o > 0) cell(d, p, cos_i, cos_o);
+    }
+  }
+}
+
 Sums CompareRow(int h, const CellSource& reference, const CellSource& other, const Cosine& cos_phi,
                 const MetricOptions& options) {
   Sums sums;
   const double weight = MerlTable::ThetaHWidth(h);
   const double min_cosine = std::cos(options.max_theta);
-  for (int d = 0; d < MerlTable::kThetaD; ++d) {
-    const HalfDiff row = MerlTable::CellCentre(h, d, 0);
-    const double along = std::cos(row.theta_d) * std::cos(row.theta_h);
-    const double across = std::sin(row.theta_d) * std::sin(row.theta_h);
-    for (int p = 0; p < MerlTable::kPhiD; p += options.phi_stride) {
-      const double cos_i = along - across * cos_phi[p];
-      const double cos_o = along + across * cos_phi[p];
-      if (!(cos_i > min_cosine && cos_o > min_cosine)) continue;
-      const HalfDiff angles = MerlTable::CellCentre(h, d, p);
-      const std::optional<Rgb> f = reference(h, d, p, angles);
-      if (!f || !f->isFinite().all()) continue;
-      const std::optional<Rgb> g = other(h, d, p, angles);
-      if (g && g->isFinite().all()) {
-        AddCell(*f, *g, cos_i, cos_o, weight, &sums);
-      } else {
-        ++sums.missing;
-      }
-    }
-  }
+  ForEachCell(h, cos_phi, options.phi_stride, [&](int d, int p, double cos_i, double cos_o) {
+    const bool counts = cos_i > min_cosine && cos_o > min_cosine;
+    bool missing = false;
+    const std::optional<Pair> pair = Look(reference, other, h, d, p, &missing);
+    if (missing && counts) ++sums.missing;
+    if (!pair) return;
+    sums.table_count += pair->known;
+    sums.table_square += (pair->f - pair->g).square();
+    if (counts) AddCell(pair->f, pair->g, pair->known, cos_i, cos_o, weight, &sums);
+  });
   return sums;
 }
 
@@ -126,19 +159,27 @@ Sums CompareCells(const CellSource& reference, const CellSource& other,
   return total;
 }
 
+// The mean over all channels that could be compared, and over each.
+double Mean(const Rgb& sum, const Rgb& count, Rgb* per_channel) {
+  *per_channel = sum / count;
+  return sum.sum() / count.sum();
+}
+
 ErrorMetrics ToMetrics(const Sums& sums) {
-  const double terms = static_cast<double>(sums.compared) * kChannels;
-  ErrorMetrics metrics;
-  metrics.male_per_channel = sums.male / sums.weight;
-  metrics.male = metrics.male_per_channel.mean();
-  metrics.log_relative_rms = std::sqrt(sums.log_relative / terms);
-  metrics.mse = sums.square / terms;
-  metrics.rms = std::sqrt(metrics.mse);
-  metrics.cube_root_rms = std::sqrt(sums.cube_root / terms);
-  metrics.log_mse = sums.log_square / terms;
-  metrics.compared = sums.compared;
-  metrics.missing = sums.missing;
-  return metrics;
+  ErrorMetrics m;
+  m.male = Mean(sums.male, sums.weight, &m.male_per_channel);
+  m.log_relative_rms =
+      std::sqrt(Mean(sums.log_relative, sums.count, &m.log_relative_rms_per_channel));
+  m.log_relative_rms_per_channel = m.log_relative_rms_per_channel.sqrt();
+  m.mse = Mean(sums.square, sums.count, &m.mse_per_channel);
+  m.rms = std::sqrt(m.mse);
+  m.cube_root_rms = std::sqrt(Mean(sums.cube_root, sums.count, &m.cube_root_rms_per_channel));
+  m.cube_root_rms_per_channel = m.cube_root_rms_per_channel.sqrt();
+  m.log_mse = Mean(sums.log_square, sums.count, &m.log_mse_per_channel);
+  m.table_mse = Mean(sums.table_square, sums.table_count, &m.table_mse_per_channel);
+  m.compared = sums.compared;
+  m.missing = sums.missing;
+  return m;
 }
 
 }  // namespace
@@ -157,6 +198,31 @@ void MetricOptions::Check() const {
 
 ErrorMetrics Compare(const Brdf& reference, const Brdf& other, const MetricOptions& options) {
   return ToMetrics(CompareCells(CellSource(reference), CellSource(other), options));
+}
+
+std::vector<double> ErrorMap(const Brdf& reference, const Brdf& other, int channel,
+                             const MetricOptions& options) {
+  options.Check();
+  const CellSource f(reference);
+  const CellSource g(other);
+  const Cosine cos_phi = PhiCosines();
+  const double min_cosine = std::cos(options.max_theta);
+  std::vector<double> sums(std::size_t{MerlTable::kThetaH} * MerlTable::kThetaD, 0.0);
+  std::vector<int> counts(sums.size(), 0);
+  for (int h = 0; h < MerlTable::kThetaH; ++h) {
+    ForEachCell(h, cos_phi, options.phi_stride, [&](int d, int p, double cos_i, double cos_o) {
+      bool missing = false;
+      if (!(cos_i > min_cosine && cos_o > min_cosine)) return;
+      const std::optional<Pair> pair = Look(f, g, h, d, p, &missing);
+      if (!pair || pair->known[channel] == 0) return;
+      const std::size_t cell = std::size_t(h) * MerlTable::kThetaD + d;
+      sums[cell] += std::abs(std::log1p(std::max(pair->f[channel], 0.0) * cos_i) -
+                             std::log1p(std::max(pair->g[channel], 0.0) * cos_i));
+      ++counts[cell];
+    });
+  }
+  for (std::size_t cell = 0; cell < sums.size(); ++cell) sums[cell] /= counts[cell];  // 0/0: NaN
+  return sums;
 }
 
 }  // namespace gonio

@@ -3,6 +3,8 @@
 
 #pragma once
 
+#include <vector>
+
 #include "brdf/brdf.h"
 #include "core/units.h"
 
@@ -19,8 +21,10 @@ struct MetricOptions {
   void Check() const;
 };
 
-// f: reference, g: other, ti: theta_i, to: theta_o; means are over cells and channels. In the
-// logarithms a g < 0 counts as 0. All are NaN if nothing could be compared.
+// f: reference, g: other, ti: theta_i, to: theta_o; means are over cells and channels, and over the
+// cells alone for each channel. In the logarithms f and g < 0 count as 0. NaN where nothing could
+// be compared: a channel that is not finite in `other` (a fit that failed in one colour) does not
+// spoil the others, and the means over channels are over those that could be compared.
 struct ErrorMetrics {
   // Mean absolute logarithmic error: mean |ln(1 + f cos ti) - ln(1 + g cos ti)|, the headline.
   // Uniform in angle: a cell counts as much as its theta_h is wide.
@@ -33,14 +37,22 @@ struct ErrorMetrics {
   // mapping of Nielsen et al. (ICCV 2015). Their division by the median material is the same in f
   // and g and cancels.
   double log_relative_rms = 0;
-  double mse = 0;  // mean (f - g)^2, 1/sr^2 (Edahiro et al.)
+  Rgb log_relative_rms_per_channel = Rgb::Zero();
+  double mse = 0;  // mean (f - g)^2, 1/sr^2
   double rms = 0;  // its root, 1/sr
+  Rgb mse_per_channel = Rgb::Zero();
   // Root mean square of cbrt(f cos ti) - cbrt(g cos ti) (Fores et al., "Toward a perceptually based
   // metric for BRDF modeling", CIC 2012).
   double cube_root_rms = 0;
+  Rgb cube_root_rms_per_channel = Rgb::Zero();
   // Mean (ln(1 + f cos ti) - ln(1 + g cos ti))^2 (Low et al., "BRDF Models for Accurate and
   // Efficient Rendering of Glossy Surfaces", ACM TOG 2012).
   double log_mse = 0;
+  Rgb log_mse_per_channel = Rgb::Zero();
+
+  // As mse, over all cells of the table, whatever max_theta: what Edahiro et al. report.
+  double table_mse = 0;
+  Rgb table_mse_per_channel = Rgb::Zero();
 
   int compared = 0;  // cells that count
   int missing = 0;  // cells where the reference has a value and `other` none: left out of all means
@@ -48,5 +60,11 @@ struct ErrorMetrics {
 
 // Evaluates both at cell centres; at most 1.1 million times, so about 0.1 s plus what Eval takes.
 ErrorMetrics Compare(const Brdf& reference, const Brdf& other, const MetricOptions& options = {});
+
+// Where the headline error sits: mean |ln(1 + f cos ti) - ln(1 + g cos ti)| of one channel over the
+// phi_d of each cell (theta_h, theta_d), kThetaH x kThetaD numbers, theta_h by theta_h; NaN where
+// nothing can be compared.
+std::vector<double> ErrorMap(const Brdf& reference, const Brdf& other, int channel,
+                             const MetricOptions& options = {});
 
 }  // namespace gonio

@@ -10,8 +10,9 @@
 
 namespace gonio {
 
-// By extension, in either case: .binary is a MerlTable, .yaml or .yml an analytic material. Throws
-// ConfigError "PATH: ..." on a missing file, any other extension, and whatever the readers refuse.
+// By extension, in either case: .binary is a MerlTable, .bsdf an RglTable, .yaml or .yml an
+// analytic material. Throws ConfigError "PATH: ..." on a missing file, any other extension, and
+// whatever the readers refuse.
 std::unique_ptr<Brdf> OpenBrdf(const std::filesystem::path& path);
 
 }  // namespace gonio

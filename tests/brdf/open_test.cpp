@@ -29,11 +29,12 @@ TEST(OpenBrdf, NamesAFileThatIsMissing) {
 }
 
 TEST(OpenBrdf, RefusesOtherExtensionsAndSaysWhichItKnows) {
-  EXPECT_EQ(
-      MessageOf<ConfigError>([] { OpenBrdf("a/b.exr"); }),
-      "a/b.exr: has the extension \".exr\", must be .binary (MERL table) or .yaml (material)");
+  EXPECT_EQ(MessageOf<ConfigError>([] { OpenBrdf("a/b.exr"); }),
+            "a/b.exr: has the extension \".exr\", must be .binary (MERL table), .bsdf (RGL) or "
+            ".yaml (material)");
   EXPECT_EQ(MessageOf<ConfigError>([] { OpenBrdf("paint"); }),
-            "paint: has the extension \"\", must be .binary (MERL table) or .yaml (material)");
+            "paint: has the extension \"\", must be .binary (MERL table), .bsdf (RGL) or .yaml "
+            "(material)");
 }
 
 }  // namespace
