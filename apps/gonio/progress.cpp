@@ -36,23 +36,26 @@ ProgressLine::ProgressLine(std::string title, bool quiet)
     : title_(std::move(title)), quiet_(quiet), terminal_(isatty(STDOUT_FILENO) != 0) {}
 
 void ProgressLine::Show(const Progress& progress) {
+  Show(progress.poses, progress.max_poses, Describe(progress));
+}
+
+void ProgressLine::Show(int done, int total, const std::string& text) {
   if (quiet_) return;
   const auto now = std::chrono::steady_clock::now();
-  const bool last = progress.poses >= progress.max_poses;
+  const bool last = done >= total;
   if (terminal_) {
     if (!last && now - shown_ < kRefresh) return;
     shown_ = now;
     // Waiting time, not the rig's: on a simulated rig they are far apart.
     const Seconds passed = now - begin_;
-    const Seconds left =
-        passed / std::max(progress.poses, 1) * std::max(progress.max_poses - progress.poses, 0);
-    fmt::print("\r\033[K{}: {}, at most {} left", title_, Describe(progress), ForPeople(left));
+    const Seconds left = passed / std::max(done, 1) * std::max(total - done, 0);
+    fmt::print("\r\033[K{}: {}, at most {} left", title_, text, ForPeople(left));
     dirty_ = true;
   } else {
-    const int tenths = progress.max_poses > 0 ? 10 * progress.poses / progress.max_poses : 10;
+    const int tenths = total > 0 ? 10 * done / total : 10;
     if (tenths <= tenths_shown_) return;
     tenths_shown_ = tenths;
-    fmt::print("{}: {}\n", title_, Describe(progress));
+    fmt::print("{}: {}\n", title_, text);
   }
   std::fflush(stdout);
 }

@@ -13,8 +13,8 @@ namespace gonio {
 // "0 s", "12 s", "3 min 20 s", "1 h 05 min": rounded, for people.
 std::string ForPeople(Seconds duration);
 
-// Shows a session's progress: on a terminal one line that is written over and over, with the time
-// left; in a pipe a plain line every tenth of the way. Says nothing if quiet.
+// Shows the progress of a session or a study: on a terminal one line that is written over and over,
+// with the time left; in a pipe a plain line every tenth of the way. Says nothing if quiet.
 class ProgressLine {
  public:
   ProgressLine(std::string title, bool quiet);
@@ -23,6 +23,8 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void Show(const Progress& progress);
+  // `text`: what has been done, in words.
+  void Show(int done, int total, const std::string& text);
   // Leaves the terminal's line clean.
   void Finish();
 
