@@ -16,6 +16,7 @@ namespace gonio {
 // Directions point from the scene to the light.
 class Environment {
  public:
+  // Radiance is constant within a pixel. Throws ConfigError if the image is black.
   explicit Environment(Image image);
 
   // The built-in clear sky (docs/rendering.md says how it is made): a sun, a sky that is brighter
@@ -39,6 +40,7 @@ class Environment {
   Image image_;
   std::vector<double> row_cdf_;     // height + 1
   std::vector<double> column_cdf_;  // height x (width + 1)
+  double total_ = 0;                // luminance integrated over all directions
 };
 
 }  // namespace gonio
