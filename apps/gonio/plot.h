@@ -32,9 +32,11 @@ struct Plot {
 // fails.
 std::string RenderSvg(const Plot& plot, const std::string& id_prefix);
 
-// Writes the picture as a .png (150 dpi for a page 16 cm wide) or .svg, by extension. Throws
-// ConfigError "PATH: ..." on another extension; else as RenderSvg.
+// Writes the picture as a .png (with twice as many pixels as it is wide, for print) or .svg, whole
+// or not at all. Throws as CheckPlotPath and RenderSvg do.
 void WritePlot(const std::filesystem::path& path, const Plot& plot);
+// Throws ConfigError "PATH: ..." unless it ends in .png or .svg: before anything is computed.
+void CheckPlotPath(const std::filesystem::path& path);
 
 // `text` with &, <, > and quotes escaped, as SVG and HTML want it.
 std::string XmlText(const std::string& text);
