@@ -26,8 +26,8 @@ constexpr double kSettledFall = 0.05;
 
 struct Reading {
   double log_cos;
-  double cosine;
-  double seen;    // ln(1 + c L)
+  double cosine;  // over the floor
+  double seen;    // ln(1 + c L / floor)
   double weight;  // square root of w
 };
 
@@ -57,8 +57,9 @@ class SliceProblem {
     for (const SlicePoint& point : points) {
       if (point.cells == 0) continue;
       const double weight = (point.width > 0 ? point.width : 1) * point.cells;
-      readings_.push_back({LogCos(point.theta_h), point.cos_theta_i,
-                           std::log1p(std::max(point.cos_theta_i * point.f_r, -0.9)), weight});
+      const double cosine = point.cos_theta_i / options.floor;
+      readings_.push_back(
+          {LogCos(point.theta_h), cosine, std::log1p(std::max(cosine * point.f_r, -0.9)), weight});
       total += weight;
     }
     for (Reading& reading : readings_) {

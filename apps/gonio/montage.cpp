@@ -87,12 +87,12 @@ void WriteMontage(const std::filesystem::path& path, const std::vector<MontageRo
       layout.width(), layout.height());
   for (std::size_t r = 0; r < rows.size(); ++r) {
     const int middle = layout.height() - layout.y(r) - layout.tile / 2;
-    plot.script +=
-        fmt::format("set label {} at {},{} left noenhanced\n", Quoted(rows[r].label), kGap, middle);
+    plot.script += fmt::format("set label {} at {},{} left front noenhanced\n",
+                               Quoted(rows[r].label), kGap, middle);
     for (std::size_t t = 0; t < rows[r].tiles.size(); ++t) {
-      plot.script +=
-          fmt::format("set label {} at {},{} center noenhanced\n", Quoted(rows[r].tiles[t].label),
-                      layout.x(t) + layout.tile / 2, layout.height() - layout.y(r) + kTop / 2);
+      plot.script += fmt::format("set label {} at {},{} center front noenhanced\n",
+                                 Quoted(rows[r].tiles[t].label), layout.x(t) + layout.tile / 2,
+                                 layout.height() - layout.y(r) + kTop / 2);
     }
   }
   // gnuplot's pixels are centred on whole numbers.
