@@ -134,10 +134,11 @@ class Run {
       key = Key(task);
       if (auto cells = ReadCells(file, key)) {
         task.cells = std::move(*cells);
+        task.done = true;
         ++reused_;
-      } else {
-        task.cells = Fit(task);
+        return;
       }
+      task.cells = Fit(task);
     } catch (const std::exception& e) {
       task.cells = Cells(task);
       for (StudyCell& cell : task.cells) cell.failure = e.what();

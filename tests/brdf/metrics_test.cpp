@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "brdf/analytic.h"
 #include "core/error.h"
@@ -119,26 +120,29 @@ TEST(Compare, WeighsTheMaleUniformlyInAngleAndNothingElse) {
 }
 
 TEST(Compare, LooksOnlyBelowTheGivenAngle) {
-  double steepest = 0;
-  const FunctionBrdf watcher([&](const HalfDiff& angles) {
-    const DirectionPair pair = ToDirections(angles);
-    steepest = std::max({steepest, std::acos(pair.cos_theta_i()), std::acos(pair.cos_theta_o())});
-    return Rgb::Ones();
+  // Wrong beyond 80 degrees, where nothing but the whole table's error looks.
+  const FunctionBrdf reference = Constant(1);
+  const FunctionBrdf other([](const HalfDiff& x) {
+    double cos_i, cos_o;
+    Cosines(x, &cos_i, &cos_o);
+    return Rgb::Constant(std::min(cos_i, cos_o) < std::cos(RadFromDeg(80)) ? 3 : 1);
   });
-  const int below_80 = Compare(watcher, watcher).compared;
-  EXPECT_LT(DegFromRad(steepest), 80);
-  EXPECT_GT(DegFromRad(steepest), 79.9);
-  const int all = Compare(watcher, watcher, {.max_theta = kPi / 2}).compared;
-  EXPECT_LT(DegFromRad(steepest), 90);
-  EXPECT_GT(all, below_80);
-  EXPECT_NEAR(all / double{MerlTable::kCells}, 0.75, 0.01);
+  const ErrorMetrics below_80 = Compare(reference, other, {.phi_stride = 10});
+  EXPECT_EQ(below_80.male, 0);
+  EXPECT_EQ(below_80.mse, 0);
+  EXPECT_GT(below_80.table_mse, 0.1);
+  const ErrorMetrics all = Compare(reference, other, {.max_theta = kPi / 2, .phi_stride = 10});
+  EXPECT_GT(all.male, 0.01);
+  EXPECT_NEAR(all.mse, all.table_mse, 1e-12);
+  EXPECT_GT(all.compared, below_80.compared);
+  EXPECT_NEAR(all.compared / (MerlTable::kCells / 10.0), 0.75, 0.01);
 }
 
 TEST(Compare, CountsWhatTheOtherCannotTellAndLeavesItOut) {
   const ErrorMetrics whole = Compare(Constant(0.5), Constant(0.2));
   const FunctionBrdf partial([](const HalfDiff& angles) -> std::optional<Rgb> {
     if (angles.theta_h > 0.5) return std::nullopt;
-    if (angles.theta_d > 0.5) return Rgb(1, std::nan(""), 1);
+    if (angles.theta_d > 0.5) return Rgb::Constant(std::nan(""));
     return Rgb::Constant(0.2);
   });
   const ErrorMetrics metrics = Compare(Constant(0.5), partial);
@@ -202,6 +206,44 @@ TEST(MetricOptions, AreRefusedByName) {
   EXPECT_EQ(complaint({.max_theta = kPi}), "max_theta: is 180 deg, must be > 0 and <= 90");
   EXPECT_EQ(complaint({.phi_stride = 0}), "phi_stride: is 0, must be between 1 and 180");
   EXPECT_EQ(complaint({.threads = 0}), "threads: is 0, must be >= 1");
+}
+
+TEST(Compare, SaysTheSameOfEachChannelAndOfAll) {
+  const ErrorMetrics m = Compare(Paint(), Metal(), {.phi_stride = 10});
+  EXPECT_NEAR(m.male, m.male_per_channel.mean(), 1e-12);
+  EXPECT_NEAR(m.mse, m.mse_per_channel.mean(), 1e-12 * m.mse);
+  EXPECT_NEAR(m.table_mse, m.table_mse_per_channel.mean(), 1e-12 * m.table_mse);
+  EXPECT_NEAR(m.log_mse, m.log_mse_per_channel.mean(), 1e-12);
+  EXPECT_NEAR(m.log_relative_rms, std::sqrt(m.log_relative_rms_per_channel.square().mean()), 1e-12);
+  EXPECT_NEAR(m.cube_root_rms, std::sqrt(m.cube_root_rms_per_channel.square().mean()), 1e-12);
+}
+
+TEST(Compare, DoesNotLetAnUnknownColourSpoilTheOthers) {
+  const FunctionBrdf no_blue([](const HalfDiff& x) -> std::optional<Rgb> {
+    std::optional<Rgb> f_r = Metal().Eval(x);
+    if (f_r) (*f_r)[2] = std::numeric_limits<double>::quiet_NaN();
+    return f_r;
+  });
+  const ErrorMetrics all = Compare(Paint(), Metal(), {.phi_stride = 10});
+  const ErrorMetrics two = Compare(Paint(), no_blue, {.phi_stride = 10});
+  EXPECT_EQ(two.male_per_channel[0], all.male_per_channel[0]);
+  EXPECT_EQ(two.table_mse_per_channel[1], all.table_mse_per_channel[1]);
+  EXPECT_TRUE(std::isnan(two.male_per_channel[2]));
+  EXPECT_NEAR(two.male, (all.male_per_channel[0] + all.male_per_channel[1]) / 2, 1e-12);
+  EXPECT_EQ(two.missing, 0);
+}
+
+TEST(ErrorMap, ShowsWhereTheErrorIs) {
+  const FunctionBrdf other([](const HalfDiff& x) {
+    return Rgb::Constant(x.theta_h < RadFromDeg(10) && x.theta_d > RadFromDeg(30) ? 2 : 1);
+  });
+  const std::vector<double> map = ErrorMap(Constant(1), other, 1, {.phi_stride = 10});
+  ASSERT_EQ(map.size(), 8100u);
+  const auto at = [&](int h, int d) { return map[h * 90 + d]; };
+  EXPECT_EQ(at(0, 20), 0);
+  EXPECT_GT(at(0, 40), 0.1);
+  EXPECT_EQ(at(60, 40), 0);
+  EXPECT_TRUE(std::isnan(at(0, 89)));  // beyond 80 deg
 }
 
 }  // namespace

@@ -49,6 +49,15 @@ TEST(FitFile, ReadsBackBitForBit) {
   EXPECT_EQ(a.floor, b.floor);
 }
 
+// Files of the first release had neither `method` nor this version.
+TEST(FitFile, ReadsVersionOne) {
+  const TempDir dir;
+  WriteFit(dir / "fit.yaml", SmallFit());
+  const std::string text =
+      Replaced(ReadTextFile(dir / "fit.yaml"), "version: 2\nmethod: continuous\n", "version: 1\n");
+  EXPECT_EQ(ReadFit(dir.File("old.yaml", text)).summary().cost, SmallFit().summary().cost);
+}
+
 TEST(FitFile, PredictsTheSameOnceRead) {
   const TempDir dir;
   WriteFit(dir / "fit.yaml", SmallFit());
@@ -72,19 +81,19 @@ TEST(FitFile, IsRefusedInOneLineNamingFileLineAndKey) {
   };
   EXPECT_EQ(complaint("gonio-fit", "gonio-prior"),
             "bad.yaml:3: format: is \"gonio-prior\", must be one of gonio-fit");
-  EXPECT_EQ(complaint("version: 1", "version: 0"),
-            "bad.yaml:4: version: is 0, must be between 1 and 1");
+  EXPECT_EQ(complaint("version: 2", "version: 0"),
+            "bad.yaml:4: version: is 0, must be between 1 and 2");
   EXPECT_EQ(complaint("lobes: 1", "lobes: 2"),
-            "bad.yaml:17: parameters: must be a list of 48 numbers");
+            "bad.yaml:18: parameters: must be a list of 48 numbers");
   EXPECT_EQ(complaint("  floor_per_sr: 0.03", "  floor_per_sr: 0"),
-            "bad.yaml:16: summary.floor_per_sr: is 0, must be > 0");
-  EXPECT_EQ(complaint("  starts", "  begins"), "bad.yaml:8: summary.starts: is missing");
+            "bad.yaml:17: summary.floor_per_sr: is 0, must be > 0");
+  EXPECT_EQ(complaint("  starts", "  begins"), "bad.yaml:9: summary.starts: is missing");
   EXPECT_EQ(complaint("  converged: true", "  converged: maybe"),
-            "bad.yaml:8: summary.converged: is \"maybe\", must be true or false");
+            "bad.yaml:9: summary.converged: is \"maybe\", must be true or false");
   EXPECT_EQ(complaint("covariance_lower: [", "covariance_lower: [-"),
-            "bad.yaml:20: covariance_lower: is not positive definite");
+            "bad.yaml:21: covariance_lower: is not positive definite");
   EXPECT_EQ(complaint("parameters: [", "more: 1\nparameters: ["),
-            "bad.yaml:17: more: is not a known key");
+            "bad.yaml:18: more: is not a known key");
 }
 
 TEST(FitFile, IsNotWrittenIntoAMissingFolder) {
