@@ -30,12 +30,16 @@ SimCamera::SimCamera(std::string name, const CameraInfo& info, const SimConfig& 
       clock_(clock),
       random_(random) {}
 
-Rgb SimCamera::Radiance(Seconds time) const {
+DirectionPair SimCamera::Directions(Seconds time) const {
   const auto direction = [&](int azimuth, int elevation) {
     return FromSpherical(kPi / 2 - motors_[elevation]->PositionAt(time),
                          motors_[azimuth]->PositionAt(time));
   };
-  const DirectionPair pair = {direction(0, 1), direction(2, 3)};
+  return {direction(0, 1), direction(2, 3)};
+}
+
+Rgb SimCamera::Radiance(Seconds time) const {
+  const DirectionPair pair = Directions(time);
   const Rgb f_r = sample_.Eval(pair).value_or(Rgb::Zero());
   return f_r.max(0) * std::max(pair.cos_theta_i(), 0.0) * lamp_->PowerAt(time);
 }
@@ -88,6 +92,14 @@ Result<Frame> SimCamera::Capture(Seconds exposure, std::stop_token stop) {
   }
   const Seconds used(std::max(std::round(exposure.count() / kExposureStep), 1.0) * kExposureStep);
   const Seconds start = clock_.Now();
+  // To read darkness where the sample's reflectance is unknown would be to invent it.
+  const DirectionPair pair = Directions(start);
+  if (pair.above_horizon() && !sample_.Eval(pair)) {
+    return Error{ErrorCode::kRefused,
+                 fmt::format("{}: {} is unknown at theta_i {:.2f}, theta_o {:.2f} deg", name_,
+                             sample_.name(), DegFromRad(std::acos(pair.cos_theta_i())),
+                             DegFromRad(std::acos(pair.cos_theta_o())))};
+  }
   const Rgb signal = Signal(start, used);
   clock_.SleepFor(used + info_.readout, stop);
   if (stop.stop_requested()) {

@@ -23,9 +23,9 @@ using SimMotors = std::array<std::shared_ptr<SimMotor>, 4>;
 //   electrons = Poisson(responsivity f_r cos(theta_i) power t (1 + m) + dark t) + read noise
 //   counts    = round(electrons / electrons_per_count + black level), clipped to 0 .. full scale
 //
-// per pixel, with one draw of the multiplicative noise m per frame and channel. Where the sample
-// is not defined it is black. Arms that move while the shutter is open smear the frame: the signal
-// is averaged over their way.
+// per pixel, with one draw of the multiplicative noise m per frame and channel. Where the
+// sample's reflectance is unknown, exposures are refused (kRefused): darkness would be invented.
+// Arms that move while the shutter is open smear the frame: the signal is averaged over their way.
 class SimCamera final : public Camera {
  public:
   // `sample` and `clock` must outlive it.
@@ -39,6 +39,8 @@ class SimCamera final : public Camera {
  private:
   // Electrons per pixel without noise, dark current included nowhere.
   Rgb Signal(Seconds start, Seconds exposure) const;
+  // Where the arms truly are at one instant.
+  DirectionPair Directions(Seconds time) const;
   // f_r cos(theta_i) power at one instant.
   Rgb Radiance(Seconds time) const;
   Frame Expose(const Rgb& signal, Seconds exposure);

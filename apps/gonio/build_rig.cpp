@@ -3,6 +3,7 @@
 
 #include <utility>
 
+#include "acquisition/kinematics.h"
 #include "core/check.h"
 #include "core/config.h"
 #include "core/file.h"
@@ -33,6 +34,12 @@ OpenedRig OpenRig(const RigFile& file, const Brdf& sample, std::uint64_t seed) {
                  .light = std::move(sim.light),
                  .monitor = std::move(sim.monitor)};
   return rig;
+}
+
+Reachable MeasurablePoses(const RigConfig& rig, const Brdf& sample) {
+  return [kinematics = Kinematics(rig), &sample](const DirectionPair& pair) {
+    return kinematics.Reachable(pair) && sample.Eval(pair).has_value();
+  };
 }
 
 }  // namespace gonio

@@ -10,6 +10,7 @@
 #include "acquisition/rig.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
+#include "planner/candidates.h"
 #include "sim/sim_config.h"
 
 namespace gonio {
@@ -30,5 +31,10 @@ struct OpenedRig {
 
 // A simulated rig looks at `sample`, which must outlive it; `seed` is that of its noise.
 OpenedRig OpenRig(const RigFile& file, const Brdf& sample, std::uint64_t seed);
+
+// The poses a plan may choose from: those the rig can reach and where the simulated `sample`, which
+// must outlive the result, has a reflectance: measured materials end somewhere, and beyond it the
+// simulated camera refuses to expose.
+Reachable MeasurablePoses(const RigConfig& rig, const Brdf& sample);
 
 }  // namespace gonio

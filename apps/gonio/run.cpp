@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "acquisition/event_log.h"
-#include "acquisition/kinematics.h"
 #include "acquisition/session.h"
 #include "acquisition/sha256.h"
 #include "acquisition/time_estimate.h"
@@ -48,10 +47,8 @@ Setup Prepare(const RunOptions& options) {
   setup.material_path =
       LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);
   setup.material = OpenAny(setup.material_path);
-  const Kinematics kinematics(setup.rig.config);
-  setup.planner = MakePlanner(
-      setup.plan, [&](const DirectionPair& pair) { return kinematics.Reachable(pair); },
-      options.seed);
+  setup.planner =
+      MakePlanner(setup.plan, MeasurablePoses(setup.rig.config, *setup.material), options.seed);
   return setup;
 }
 

@@ -7,7 +7,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "acquisition/kinematics.h"
 #include "acquisition/session.h"
 #include "acquisition/time_estimate.h"
 #include "apps/gonio/build_rig.h"
@@ -47,9 +46,8 @@ struct Outcome {
 
 Outcome RunOne(const SimulateOptions& options, const RigFile& rig_file, const NamedPlan& plan,
                const Brdf& material, std::uint64_t seed, const Interrupt& interrupt) {
-  const Kinematics kinematics(rig_file.config);
-  const auto reachable = [&](const DirectionPair& pair) { return kinematics.Reachable(pair); };
-  const std::unique_ptr<Planner> planner = MakePlanner(plan.plan, reachable, seed);
+  const std::unique_ptr<Planner> planner =
+      MakePlanner(plan.plan, MeasurablePoses(rig_file.config, material), seed);
   OpenedRig rig = OpenRig(rig_file, material, seed);
   const bool quiet = options.quiet || options.json == "-";
   ProgressLine line(fmt::format("{} on {}, seed {}", plan.name, material.name(), seed), quiet);

@@ -141,5 +141,21 @@ TEST_F(SessionCycle, SimulatesWhatPlansWouldCost) {
   EXPECT_THAT(Files(), ElementsAre("m.json"));
 }
 
+// A table that ends at theta_d = 45 degrees, as measured files do somewhere: what lies beyond is
+// not offered to the planner, and not taken for black.
+TEST_F(SessionCycle, LeavesOutWhatASimulatedMaterialDoesNotKnow) {
+  MerlTable::FromFunction("half", [](const HalfDiff& x) -> std::optional<Rgb> {
+    if (x.theta_d > 0.785) return std::nullopt;
+    return Rgb::Constant(0.2);
+  }).Write(work() / "half.binary");
+  Expect("run --material half.binary --plan plan-random.yaml --max-poses 20 --out s");
+  const SessionRecord session = ReadSession(work() / "s");
+  EXPECT_EQ(session.poses.size(), 20u);
+  for (const MeasuredPose& pose : session.poses) {
+    EXPECT_LT(ToHalfDiff(pose.sample.directions).theta_d, 0.8);
+    EXPECT_NEAR(pose.sample.f_r[1], 0.2, 0.05);
+  }
+}
+
 }  // namespace
 }  // namespace gonio

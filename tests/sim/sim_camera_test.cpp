@@ -99,9 +99,13 @@ TEST(SimCamera, ClipsAtFullScale) {
   EXPECT_EQ(bench.Capture(1).counts[0], 4095);
 }
 
-TEST(SimCamera, SeesBlackWhereTheSampleIsNotDefined) {
+TEST(SimCamera, RefusesWhereTheReflectanceIsUnknown) {
   Bench bench(Ideal(), [](const HalfDiff&) { return std::nullopt; });
-  EXPECT_EQ(bench.Capture(1).counts[0], 0);
+  const auto frame = bench.camera->Capture(Seconds(1), {});
+  ASSERT_FALSE(frame.ok());
+  EXPECT_EQ(frame.error().code, ErrorCode::kRefused);
+  EXPECT_EQ(frame.error().message,
+            "camera: function is unknown at theta_i 60.00, theta_o 0.00 deg");
 }
 
 TEST(SimCamera, TakesTheTimeOfExposureAndReadout) {
