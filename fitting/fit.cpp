@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "fitting/levenberg_marquardt.h"
 #include "fitting/posterior.h"
 #include "fitting/slice.h"
 #include "fitting/starts.h"
@@ -17,48 +18,7 @@
 namespace gonio {
 namespace {
 
-// Where a minimisation ended, with the Hessian there.
-struct Minimum {
-  Eigen::VectorXd parameters;
-  Eigen::MatrixXd hessian;
-  double cost = std::numeric_limits<double>::infinity();
-  int iterations = 0;
-  bool converged = false;
-};
-
-// Levenberg-Marquardt with Marquardt's scaling; gain-ratio damping after Nielsen (1999).
-Minimum Minimise(const Posterior& posterior, const Eigen::VectorXd& start, int max_iterations,
-                 double tolerance) {
-  Minimum now{.parameters = start, .hessian = {}};
-  Eigen::VectorXd gradient;
-  now.cost = posterior.Linearise(now.parameters, &gradient, &now.hessian);
-  double damping = 1e-3;
-  double growth = 2;
-  while (now.iterations < max_iterations && !now.converged) {
-    ++now.iterations;
-    Eigen::MatrixXd damped = now.hessian;
-    damped.diagonal() *= 1 + damping;
-    const Eigen::VectorXd step = damped.llt().solve(-gradient);
-    const double expected = -0.5 * step.dot(gradient) +
-                            0.5 * damping * step.dot(now.hessian.diagonal().cwiseProduct(step));
-    const double cost = posterior.Cost(now.parameters + step);
-    const double fall = now.cost - cost;
-    if (!(fall > 0)) {
-      now.converged = expected < tolerance * (1 + now.cost) || damping > 1e10;
-      damping *= growth;
-      growth *= 2;
-      continue;
-    }
-    now.parameters += step;
-    // A step that overshot may fall by next to nothing far from the minimum: expected tells.
-    const double enough = tolerance * (1 + now.cost);
-    now.converged = fall < enough && expected < 10 * enough;
-    now.cost = posterior.Linearise(now.parameters, &gradient, &now.hessian);
-    damping *= std::max(1.0 / 3, 1 - std::pow(2 * fall / expected - 1, 3));
-    growth = 2;
-  }
-  return now;
-}
+using MapMinimum = Minimum<Eigen::Dynamic>;
 
 Eigen::MatrixXd Inverse(const Eigen::MatrixXd& hessian) {
   Eigen::MatrixXd inverse =
@@ -70,9 +30,9 @@ Eigen::MatrixXd Inverse(const Eigen::MatrixXd& hessian) {
 
 // Minimises, lets the residuals speak about the model error, and minimises again with it. Two
 // rounds are enough: the estimate moves the minimum little.
-Minimum MinimiseWithModelError(Posterior& posterior, const Eigen::VectorXd& start,
-                               const FitOptions& options) {
-  Minimum minimum = Minimise(posterior, start, options.max_iterations, options.tolerance);
+MapMinimum MinimiseWithModelError(Posterior& posterior, const Eigen::VectorXd& start,
+                                  const FitOptions& options) {
+  MapMinimum minimum = Minimise(posterior, start, options.max_iterations, options.tolerance);
   int iterations = minimum.iterations;
   for (int round = 0; round < 2; ++round) {
     posterior.set_model_error(posterior.EstimateModelError(
@@ -105,20 +65,20 @@ std::vector<BrdfSample> Thin(std::span<const BrdfSample> samples, int count) {
 }
 
 // Where each start leads, best first. Roughly is enough to tell the explanations apart.
-std::vector<Minimum> BestMinima(const Posterior& posterior,
-                                const std::vector<Eigen::VectorXd>& starts,
-                                const FitOptions& options) {
-  std::vector<Minimum> minima;
+std::vector<MapMinimum> BestMinima(const Posterior& posterior,
+                                   const std::vector<Eigen::VectorXd>& starts,
+                                   const FitOptions& options) {
+  std::vector<MapMinimum> minima;
   minima.reserve(starts.size());
   for (const Eigen::VectorXd& start : starts) {
     minima.push_back(Minimise(posterior, start, options.max_iterations, 10 * options.tolerance));
   }
   std::stable_sort(minima.begin(), minima.end(),
-                   [](const Minimum& a, const Minimum& b) { return a.cost < b.cost; });
+                   [](const MapMinimum& a, const MapMinimum& b) { return a.cost < b.cost; });
   return minima;
 }
 
-DsbrdfFit ToFit(const Posterior& posterior, const Minimum& minimum, int samples, int starts) {
+DsbrdfFit ToFit(const Posterior& posterior, const MapMinimum& minimum, int samples, int starts) {
   FitSummary summary;
   summary.converged = minimum.converged;
   summary.reason = minimum.converged ? "cost no longer falls" : "iteration limit";
@@ -194,13 +154,13 @@ DsbrdfFit FitDsbrdf(std::span<const BrdfSample> samples, const Prior& prior,
   Posterior posterior(few, prior, ToPosteriorOptions(options));
   RequireResiduals(posterior);
   const std::vector<Eigen::VectorXd> starts = FitStarts(few, prior);
-  std::vector<Minimum> minima = BestMinima(posterior, starts, options);
+  std::vector<MapMinimum> minima = BestMinima(posterior, starts, options);
   if (few.size() < usable.size()) {
     // What all samples say may differ from what a few said, so the runner-up gets its chance.
     posterior = Posterior(usable, prior, ToPosteriorOptions(options));
     minima = BestMinima(posterior, {minima[0].parameters, minima[1].parameters}, options);
   }
-  const Minimum minimum = MinimiseWithModelError(posterior, minima[0].parameters, options);
+  const MapMinimum minimum = MinimiseWithModelError(posterior, minima[0].parameters, options);
   return ToFit(posterior, minimum, static_cast<int>(usable.size()),
                static_cast<int>(starts.size()));
 }
@@ -211,7 +171,7 @@ DsbrdfFit RefitDsbrdf(std::span<const BrdfSample> samples, const Prior& prior,
   posterior_options.model_error = model_error;
   Posterior posterior(samples, prior, posterior_options);
   RequireResiduals(posterior);
-  const Minimum minimum = Minimise(posterior, start, options.max_iterations, options.tolerance);
+  const MapMinimum minimum = Minimise(posterior, start, options.max_iterations, options.tolerance);
   posterior.set_model_error(posterior.EstimateModelError(
       minimum.parameters, minimum.hessian, options.model_error, options.model_error_weight));
   return ToFit(posterior, minimum, static_cast<int>(samples.size()), 1);

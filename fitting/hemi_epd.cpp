@@ -32,6 +32,27 @@ double LogHemisphereIntegral(const Lobe& lobe) {
   return std::log(2 * kPi) + log_middle + std::log(sum);
 }
 
+void BoundedLobe::Fill(const Eigen::ArrayXd& log_cos, Columns* columns) const {
+  const auto begin = log_cos.begin();
+  const Eigen::Index n =
+      std::partition_point(begin, log_cos.end(),
+                           [&](double at) { return lobe_.gamma * at > kVanished; }) -
+      begin;
+  columns->resize(log_cos.size(), 3);
+  columns->bottomRows(log_cos.size() - n).setZero();
+  auto f_r = columns->col(0).head(n);
+  auto by_log_kappa = columns->col(1).head(n);
+  auto by_log_gamma = columns->col(2).head(n);
+  by_log_gamma = lobe_.gamma * log_cos.head(n);
+  by_log_kappa = lobe_.kappa * by_log_gamma.exp();
+  f_r = by_log_kappa.exp();
+  by_log_kappa *= f_r;
+  by_log_gamma *= by_log_kappa;
+  f_r -= 1;
+  if (kappa_held_) by_log_kappa.setZero();
+  if (gamma_held_) by_log_gamma.setZero();
+}
+
 double LogLobe(const Lobe& lobe, double log_cos) {
   const double log_x = std::log(lobe.kappa) + lobe.gamma * log_cos;
   const double x = std::exp(log_x);

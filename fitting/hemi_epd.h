@@ -78,6 +78,12 @@ class BoundedLobe {
   }
 
   const Lobe& lobe() const { return lobe_; }
+  // f_r, its slope by log kappa and by log gamma at many theta_h at once, a column each, as
+  // Slopes() has them one by one; f_r to 1e-16 / sr, which is enough to fit by. Precondition:
+  // log_cos descends, so that what has vanished is a tail.
+  using Columns = Eigen::Array<double, Eigen::Dynamic, 3>;
+  void Fill(const Eigen::ArrayXd& log_cos, Columns* columns) const;
+
   // A parameter beyond its bound has no slope.
   LobeSlopes Slopes(double log_cos) const {
     LobeSlopes slopes = EvalLobeWithSlopes(lobe_, log_cos);

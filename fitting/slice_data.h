@@ -24,7 +24,7 @@ struct SlicePoint {
 
 struct SliceData {
   double theta_d = 0;  // rad
-  // Per channel; the same theta_h in each.
+  // Per channel; the same theta_h in each, ascending.
   std::vector<SlicePoint> points[kChannels];
 };
 

@@ -15,44 +15,43 @@ namespace {
 constexpr double kNarrowestStart = 200;
 constexpr int kStepsPerMStep = 20;
 
-struct Reading {
-  double log_cos;
-  double f_r;
-};
-
 // q L - f of one lobe, by log kappa and log gamma: what a M-step minimises the squares of.
 struct LobeResiduals {
   using Scalar = double;
   enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 2 };
 
-  const std::vector<Reading>& readings;
-  const double* shares;  // q_nk L_n
+  const Eigen::ArrayXd& log_cos;
+  const Eigen::ArrayXd& shares;  // q_nk L_n
 
-  int NumResiduals() const { return static_cast<int>(readings.size()); }
+  int NumResiduals() const { return static_cast<int>(log_cos.size()); }
   bool operator()(const double* logs, double* residuals, double* jacobian) const {
-    const BoundedLobe lobe(logs[0], logs[1]);
-    const auto n = readings.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const LobeSlopes slopes = lobe.Slopes(readings[i].log_cos);
-      residuals[i] = shares[i] - slopes.f_r;
-      if (jacobian == nullptr) continue;
-      jacobian[i] = -slopes.by_log_kappa;
-      jacobian[n + i] = -slopes.by_log_gamma;
-    }
+    const Eigen::Index n = log_cos.size();
+    BoundedLobe(logs[0], logs[1]).Fill(log_cos, &columns);
+    Eigen::Map<Eigen::ArrayXd>(residuals, n) = shares - columns.col(0);
+    if (jacobian != nullptr) Eigen::Map<Eigen::ArrayXXd>(jacobian, n, 2) = -columns.rightCols(2);
     return true;
   }
+
+  mutable BoundedLobe::Columns columns{};  // kept to save allocating it each time
 };
 
 class Em {
  public:
   Em(std::span<const SlicePoint> points, const EmOptions& options) : options_(options) {
+    const auto n = std::count_if(points.begin(), points.end(),
+                                 [](const SlicePoint& point) { return point.cells > 0; });
+    log_cos_.resize(n);
+    f_r_.resize(n);
+    Eigen::Index i = 0;
     for (const SlicePoint& point : points) {
-      if (point.cells > 0) readings_.push_back({LogCos(point.theta_h), point.f_r});
+      if (point.cells == 0) continue;
+      log_cos_[i] = LogCos(point.theta_h);
+      f_r_[i++] = point.f_r;
     }
     for (const Lobe& lobe : StartingLobes(points, options.lobes, kNarrowestStart)) {
       logs_.push_back({std::log(lobe.kappa), std::log(lobe.gamma)});
     }
-    shares_.resize(Eigen::Index(readings_.size()), options.lobes);
+    shares_.assign(options.lobes, Eigen::ArrayXd(n));
   }
 
   SliceFit Run() {
@@ -79,12 +78,12 @@ class Em {
       log_c.push_back(-LogHemisphereIntegral(lobes.back()));
     }
     Eigen::ArrayXd log_p(options_.lobes);
-    for (std::size_t n = 0; n < readings_.size(); ++n) {
+    for (Eigen::Index n = 0; n < f_r_.size(); ++n) {
       for (int k = 0; k < options_.lobes; ++k) {
-        log_p[k] = log_c[k] + LogLobe(lobes[k], readings_[n].log_cos);
+        log_p[k] = log_c[k] + LogLobe(lobes[k], log_cos_[n]);
       }
       const Eigen::ArrayXd p = (log_p - log_p.maxCoeff()).exp();
-      shares_.row(Eigen::Index(n)) = readings_[n].f_r * p / p.sum();
+      for (int k = 0; k < options_.lobes; ++k) shares_[k][n] = f_r_[n] * p[k] / p.sum();
     }
   }
 
@@ -93,7 +92,7 @@ class Em {
     double moved = 0;
     for (int k = 0; k < options_.lobes; ++k) {
       const Eigen::Vector2d before = logs_[k];
-      const LobeResiduals residuals{readings_, shares_.col(k).data()};
+      const LobeResiduals residuals{log_cos_, shares_[k]};
       solver_.options.max_num_iterations = kStepsPerMStep;
       solver_.Solve(residuals, &logs_[k]);
       logs_[k] = BoundedLobe::Clamp(logs_[k]);
@@ -104,18 +103,18 @@ class Em {
 
   double SquaredError(const std::vector<Lobe>& lobes) const {
     double sum = 0;
-    for (const Reading& reading : readings_) {
-      double residual = reading.f_r;
-      for (const Lobe& lobe : lobes) residual -= EvalLobe(lobe, reading.log_cos);
+    for (Eigen::Index n = 0; n < f_r_.size(); ++n) {
+      double residual = f_r_[n];
+      for (const Lobe& lobe : lobes) residual -= EvalLobe(lobe, log_cos_[n]);
       sum += residual * residual;
     }
     return sum;
   }
 
   const EmOptions& options_;
-  std::vector<Reading> readings_;
-  std::vector<Eigen::Vector2d> logs_;  // log kappa, log gamma of each lobe
-  Eigen::ArrayXXd shares_;             // readings x lobes
+  Eigen::ArrayXd log_cos_, f_r_;        // of the readings
+  std::vector<Eigen::Vector2d> logs_;   // log kappa, log gamma of each lobe
+  std::vector<Eigen::ArrayXd> shares_;  // of each lobe in each reading
   ceres::TinySolver<LobeResiduals> solver_;
 };
 

@@ -32,7 +32,8 @@ struct EmOptions {
 // narrow one is held responsible for the peak however little of the light it carries, and the
 // iteration settles where shares and densities agree, not where the sum of squares is least.
 //
-// The cost of the result is sum_n (L_n - f(theta_n))^2 [1/sr^2]. Precondition: !WhyNotFittable().
+// The cost of the result is sum_n (L_n - f(theta_n))^2 [1/sr^2]. Precondition: theta_h ascends,
+// !WhyNotFittable().
 SliceFit FitSliceEm(std::span<const SlicePoint> points, const EmOptions& options = {});
 
 }  // namespace gonio

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fitting/slice_joint.h"
 
-#include <ceres/tiny_solver.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include "core/check.h"
 #include "fitting/dsbrdf.h"
 #include "fitting/hemi_epd.h"
+#include "fitting/levenberg_marquardt.h"
 
 namespace gonio {
 namespace {
@@ -18,110 +17,82 @@ namespace {
 // Widths of the narrowest lobe that starts try: from a satin gloss to a mirror.
 constexpr std::array<double, 5> kNarrowestStarts = {5, 30, 150, 800, 5000};
 constexpr int kMaxSteps = 60;
+constexpr double kTolerance = 1e-5;
 
 // Sweeps end when no slice's cost falls by more than this share and this much: its unit is half a
 // squared model error, so that such falls change nothing that can be seen.
 constexpr double kSettledShare = 2e-3;
 constexpr double kSettledFall = 0.05;
 
-struct Reading {
-  double log_cos;
-  double cosine;  // over the floor
-  double seen;    // ln(1 + c L / floor)
-  double weight;  // square root of w
-};
-
-// The smooth version of Huber's loss is r^2 for small r and 2 huber |r| for large: as a residual
-// whose square it is, and that residual's slope.
-struct Robust {
-  double residual;
-  double slope;
-};
-Robust SmoothHuber(double r, double huber) {
-  const double q = r / huber;
-  const double root = std::sqrt(1 + q * q);
-  const double half = std::sqrt(2 / (1 + root));  // sqrt(2 (root - 1)) = |q| sqrt(2 / (1 + root))
-  return {r * half, half * (1 - q * q / (2 * root * (1 + root)))};
-}
-
+// One slice's share of the sum, its neighbours held.
 template <int K>
 class SliceProblem {
  public:
-  using Scalar = double;
-  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = 2 * K };
   using Logs = Eigen::Matrix<double, 2 * K, 1>;  // log kappa, log gamma of each lobe
+  using Hessian = Eigen::Matrix<double, 2 * K, 2 * K>;
 
   SliceProblem(std::span<const SlicePoint> points, const JointOptions& options)
       : options_(options) {
-    double total = 0;
+    const auto n = std::count_if(points.begin(), points.end(),
+                                 [](const SlicePoint& point) { return point.cells > 0; });
+    for (Eigen::ArrayXd* column : {&log_cos_, &cosine_, &seen_, &weight_}) column->resize(n);
+    Eigen::Index i = 0;
     for (const SlicePoint& point : points) {
       if (point.cells == 0) continue;
-      const double weight = (point.width > 0 ? point.width : 1) * point.cells;
-      const double cosine = point.cos_theta_i / options.floor;
-      readings_.push_back(
-          {LogCos(point.theta_h), cosine, std::log1p(std::max(cosine * point.f_r, -0.9)), weight});
-      total += weight;
+      log_cos_[i] = LogCos(point.theta_h);
+      cosine_[i] = point.cos_theta_i / options.floor;
+      seen_[i] = std::log1p(std::max(cosine_[i] * point.f_r, -0.9));
+      weight_[i] = (point.width > 0 ? point.width : 1) * point.cells;
+      ++i;
     }
-    for (Reading& reading : readings_) {
-      reading.weight = std::sqrt(reading.weight * static_cast<double>(readings_.size()) / total);
-    }
+    weight_ /= weight_.mean();
   }
 
   void set_neighbours(std::vector<Logs> neighbours) { neighbours_ = std::move(neighbours); }
 
-  int NumResiduals() const {
-    return static_cast<int>(readings_.size() + 2 * K * neighbours_.size());
-  }
-
-  double Cost(const Logs& logs) const {
-    Eigen::VectorXd residuals(NumResiduals());
-    (*this)(logs.data(), residuals.data(), nullptr);
-    return residuals.squaredNorm() / 2;
-  }
-
-  bool operator()(const double* logs, double* residuals, double* jacobian) const {
-    std::array<BoundedLobe, K> lobes;
-    for (int k = 0; k < K; ++k) lobes[k] = BoundedLobe(logs[2 * k], logs[2 * k + 1]);
-    const std::size_t rows = NumResiduals();
-    for (std::size_t n = 0; n < readings_.size(); ++n) {
-      std::array<LobeSlopes, K> slopes;
-      double f_r = 0;
-      for (int k = 0; k < K; ++k) {
-        slopes[k] = lobes[k].Slopes(readings_[n].log_cos);
-        f_r += slopes[k].f_r;
-      }
-      const Reading& at = readings_[n];
-      const double shown = 1 + at.cosine * f_r;
-      const Robust robust =
-          SmoothHuber((at.seen - std::log(shown)) / options_.model_error, options_.huber);
-      residuals[n] = at.weight * robust.residual;
-      if (jacobian == nullptr) continue;
-      const double outer = -at.weight * robust.slope * at.cosine / (shown * options_.model_error);
-      for (int k = 0; k < K; ++k) {
-        jacobian[2 * k * rows + n] = outer * slopes[k].by_log_kappa;
-        jacobian[(2 * k + 1) * rows + n] = outer * slopes[k].by_log_gamma;
+  double Linearise(const Logs& logs, Logs* gradient, Hessian* hessian) const {
+    std::array<BoundedLobe::Columns, K> lobes;
+    Eigen::ArrayXd shown = Eigen::ArrayXd::Ones(log_cos_.size());
+    for (int k = 0; k < K; ++k) {
+      BoundedLobe(logs[2 * k], logs[2 * k + 1]).Fill(log_cos_, &lobes[k]);
+      shown += cosine_ * lobes[k].col(0);
+    }
+    // The smooth version of Huber's loss: r^2 / 2 for small r, huber |r| for large.
+    const Eigen::ArrayXd r = (seen_ - shown.log()) / options_.model_error;
+    const Eigen::ArrayXd root = (1 + (r / options_.huber).square()).sqrt();
+    const Eigen::ArrayXd inner = -cosine_ / (shown * options_.model_error);  // dr / df
+    const Eigen::ArrayXd pull = weight_ * r / root * inner;
+    const Eigen::ArrayXd stiffness = (weight_ / root).sqrt() * inner;
+    Eigen::Matrix<double, Eigen::Dynamic, 2 * K> jacobian(r.size(), 2 * K);
+    for (int k = 0; k < K; ++k) {
+      for (int a = 0; a < 2; ++a) {
+        const auto slope = lobes[k].col(1 + a);
+        (*gradient)[2 * k + a] = (pull * slope).sum();
+        jacobian.col(2 * k + a) = stiffness * slope;
       }
     }
-    AddCoupling(logs, residuals, jacobian);
-    return true;
+    *hessian = jacobian.transpose().lazyProduct(jacobian);
+    const double huber2 = options_.huber * options_.huber;
+    return huber2 * (weight_ * (root - 1)).sum() + Coupling(logs, gradient, hessian);
   }
 
  private:
-  void AddCoupling(const double* logs, double* residuals, double* jacobian) const {
-    const std::size_t rows = NumResiduals();
-    std::size_t row = readings_.size();
+  double Coupling(const Logs& logs, Logs* gradient, Hessian* hessian) const {
+    const double precision = 1 / (options_.coupling * options_.coupling);
+    double cost = 0;
     for (const Logs& neighbour : neighbours_) {
-      for (int a = 0; a < 2 * K; ++a, ++row) {
-        residuals[row] = (logs[a] - neighbour[a]) / options_.coupling;
-        if (jacobian == nullptr) continue;
-        for (int b = 0; b < 2 * K; ++b) jacobian[b * rows + row] = 0;
-        jacobian[a * rows + row] = 1 / options_.coupling;
-      }
+      cost += 0.5 * precision * (logs - neighbour).squaredNorm();
+      *gradient += precision * (logs - neighbour);
+      hessian->diagonal().array() += precision;
     }
+    return cost;
   }
 
   const JointOptions& options_;
-  std::vector<Reading> readings_;
+  Eigen::ArrayXd log_cos_;
+  Eigen::ArrayXd cosine_;  // over the floor
+  Eigen::ArrayXd seen_;    // ln(1 + c L / floor)
+  Eigen::ArrayXd weight_;
   std::vector<Logs> neighbours_;
 };
 
@@ -159,18 +130,14 @@ class Chain {
     bool settled = true;
   };
 
-  State Solve(const Problem& problem, const Logs& start) {
-    State state{.logs = start};
-    solver_.options.max_num_iterations = kMaxSteps;
-    solver_.options.gradient_tolerance = 1e-6;
-    solver_.options.parameter_tolerance = 1e-6;
-    const auto& summary = solver_.Solve(problem, &state.logs);
+  static State Solve(const Problem& problem, const Logs& start) {
+    const auto minimum = Minimise(problem, start, kMaxSteps, kTolerance);
+    State state{.logs = minimum.parameters, .iterations = minimum.iterations};
+    if (std::isfinite(minimum.cost)) state.cost = minimum.cost;
     for (int k = 0; k < K; ++k) {
       state.logs.template segment<2>(2 * k) =
           BoundedLobe::Clamp(state.logs.template segment<2>(2 * k));
     }
-    if (std::isfinite(summary.final_cost)) state.cost = summary.final_cost;
-    state.iterations = summary.iterations;
     return state;
   }
 
@@ -203,7 +170,9 @@ class Chain {
     if (at > 0) neighbours.push_back(states_[at - 1].logs);
     if (at + 1 < static_cast<int>(states_.size())) neighbours.push_back(states_[at + 1].logs);
     problems_[at].set_neighbours(neighbours);
-    const double before = problems_[at].Cost(states_[at].logs);
+    Logs gradient;
+    typename Problem::Hessian hessian;
+    const double before = problems_[at].Linearise(states_[at].logs, &gradient, &hessian);
     State best = Solve(problems_[at], states_[at].logs);
     for (const Logs& start : neighbours) {
       const State state = Solve(problems_[at], start);
@@ -230,7 +199,6 @@ class Chain {
   const JointOptions& options_;
   std::vector<Problem> problems_;
   std::vector<State> states_;
-  ceres::TinySolver<Problem> solver_;
 };
 
 }  // namespace

@@ -35,7 +35,7 @@ struct JointOptions {
 // slice continues lobe k of the one before.
 //
 // A SliceFit's cost is its share of the sum; lobes are in order of gamma at the first slice.
-// Precondition: !WhyNotFittable() for each slice.
+// Precondition: theta_h ascends and !WhyNotFittable() in each slice.
 std::vector<SliceFit> FitSlicesJoint(std::span<const std::vector<SlicePoint>> slices,
                                      const JointOptions& options = {});
 

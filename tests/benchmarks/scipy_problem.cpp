@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// gonio_scipy_problem MATERIAL REPETITIONS: fits a material's slices by each method, single-threaded,
-// and prints the problems, the costs reached and the seconds taken as JSON: what
+// gonio_scipy_problem MATERIAL REPETITIONS: fits a material's slices by each method,
+// single-threaded, and prints the problems, the costs reached and the seconds taken as JSON: what
 // tests/benchmarks/against_scipy.py gives to SciPy.
 #include <algorithm>
 #include <chrono>
@@ -58,8 +58,8 @@ json ContinuousJson(const SliceProblem& problem) {
     const SplineBasis basis = BasisAt(angles.theta_d, problem.prior.shape.knots);
     for (int c = 0; c < kChannels; ++c) {
       if (!std::isfinite(sample.sigma[c])) continue;
-      readings.push_back({c, basis.first, basis.weight, LogCos(angles.theta_h), sample.f_r[c],
-                          sample.sigma[c]});
+      readings.push_back(
+          {c, basis.first, basis.weight, LogCos(angles.theta_h), sample.f_r[c], sample.sigma[c]});
     }
   }
   json covariance = json::array();

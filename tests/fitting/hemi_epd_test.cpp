@@ -103,6 +103,25 @@ TEST(HemiEpd, SlopesAreTheDerivatives) {
   }
 }
 
+TEST(HemiEpd, FillsColumnsWithWhatItHasOneByOne) {
+  Eigen::ArrayXd log_cos(60);
+  for (int i = 0; i < 60; ++i) log_cos[i] = LogCos(RadFromDeg(1.5 * i));
+  BoundedLobe::Columns columns;
+  // Broad, narrow enough to vanish on the way, held at its bounds.
+  for (const auto& [k, g] :
+       std::vector<std::pair<double, double>>{{-2, 0}, {0.5, 7}, {-13, 3}, {5, 20}, {-20, -8}}) {
+    const BoundedLobe lobe(k, g);
+    lobe.Fill(log_cos, &columns);
+    ASSERT_EQ(columns.rows(), 60);
+    for (int i = 0; i < 60; ++i) {
+      const LobeSlopes slopes = lobe.Slopes(log_cos[i]);
+      EXPECT_NEAR(columns(i, 0), slopes.f_r, 1e-15 + 1e-14 * slopes.f_r);
+      EXPECT_NEAR(columns(i, 1), slopes.by_log_kappa, 1e-14 * slopes.by_log_kappa);
+      EXPECT_NEAR(columns(i, 2), slopes.by_log_gamma, 1e-14 * std::abs(slopes.by_log_gamma));
+    }
+  }
+}
+
 TEST(HemiEpd, BoundsHoldALobeAndItsSlopes) {
   const BoundedLobe beyond(BoundedLobe::kMaxLogKappa + 1, BoundedLobe::kMinLogGamma - 1);
   EXPECT_DOUBLE_EQ(beyond.lobe().kappa, std::exp(BoundedLobe::kMaxLogKappa));
