@@ -21,15 +21,19 @@ struct Minimum {
   bool converged = false;
 };
 
-// Levenberg-Marquardt with Marquardt's scaling; gain-ratio damping after Nielsen, "Damping Parameter
-// in Marquardt's Method" (1999). `problem` has
+// Diagonal elements of the damped Hessian are at least this share of the largest.
+inline constexpr double kLeastShare = 1e-14;
+
+// Levenberg-Marquardt with Marquardt's scaling; gain-ratio damping after Nielsen, "Damping
+// Parameter in Marquardt's Method" (1999). `problem` has
 //
 //   double Linearise(const Vector& at, Vector* gradient, Matrix* hessian) const;
 //
 // which returns the cost, >= 0, and fills in its gradient and the Gauss-Newton approximation of its
 // Hessian. Where that is much dearer than the cost alone it may also have `double Cost(at) const`,
-// which steps are then tried with. Converged when a step's fall of the cost, and what it promised, are below `tolerance`
-// times (1 + cost); otherwise ended after `max_iterations` steps, tried ones included.
+// which steps are then tried with. Converged when a step's fall of the cost, and what it promised,
+// are below `tolerance` times (1 + cost); otherwise ended after `max_iterations` steps, tried ones
+// included.
 template <int N, typename Problem>
 Minimum<N> Minimise(const Problem& problem, const Eigen::Matrix<double, N, 1>& start,
                     int max_iterations, double tolerance) {
@@ -43,6 +47,8 @@ Minimum<N> Minimise(const Problem& problem, const Eigen::Matrix<double, N, 1>& s
     ++now.iterations;
     Eigen::Matrix<double, N, N> damped = now.hessian;
     damped.diagonal() *= 1 + damping;
+    // A parameter that nothing depends on, as of a lobe that has vanished, stays where it is.
+    damped.diagonal() = damped.diagonal().cwiseMax(kLeastShare * damped.diagonal().maxCoeff());
     const Eigen::Matrix<double, N, 1> step = damped.llt().solve(-gradient);
     const double expected = -0.5 * step.dot(gradient) +
                             0.5 * damping * step.dot(now.hessian.diagonal().cwiseProduct(step));
@@ -54,7 +60,7 @@ Minimum<N> Minimise(const Problem& problem, const Eigen::Matrix<double, N, 1>& s
       cost = problem.Linearise(next, &next_gradient, &next_hessian);
     }
     const double fall = now.cost - cost;
-    if (!(fall > 0)) {
+    if (!(fall > 0 && next.allFinite())) {
       now.converged = expected < tolerance * (1 + now.cost) || damping > 1e10;
       damping *= growth;
       growth *= 2;

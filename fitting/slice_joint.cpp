@@ -151,7 +151,7 @@ class Chain {
         start[2 * k + 1] = std::log(lobes[k].gamma);
       }
       State state = Solve(problem, start);
-      if (state.cost < best.cost || narrowest == kNarrowestStarts.front()) best = state;
+      if (state.cost < best.cost || !std::isfinite(best.cost)) best = state;
     }
     Sort(&best.logs);
     return best;

@@ -67,5 +67,22 @@ TEST(Minimise, TriesStepsWithTheCostAloneIfItCan) {
   EXPECT_NEAR(one.parameters[0], other.parameters[0], 1e-6);
 }
 
+// Nothing depends on the second parameter, and what is not a number costs nothing.
+struct Trap {
+  double Linearise(const Eigen::Vector2d& at, Eigen::Vector2d* gradient,
+                   Eigen::Matrix2d* hessian) const {
+    *gradient = {at[0] - 2, 0};
+    *hessian = Eigen::Vector2d(1, 0).asDiagonal();
+    return at.allFinite() ? 1 + std::pow(at[0] - 2, 2) / 2 : 0;
+  }
+};
+
+TEST(Minimise, LeavesAParameterThatDoesNotMatterWhereItIs) {
+  const auto minimum = Minimise(Trap{}, Eigen::Vector2d(-1, 7), 50, 1e-12);
+  EXPECT_TRUE(minimum.converged);
+  EXPECT_NEAR(minimum.parameters[0], 2, 1e-5);
+  EXPECT_EQ(minimum.parameters[1], 7);
+}
+
 }  // namespace
 }  // namespace gonio

@@ -162,6 +162,24 @@ TEST(SliceJoint, KeepsLobesInTheirPlacesAlongTheSlices) {
   }
 }
 
+// A mirror leaves most lobes nothing to do: their parameters stop to matter, and must not end up
+// anywhere.
+TEST(SliceJoint, StaysFiniteWhereLobesHaveNothingToDo) {
+  std::vector<std::vector<SlicePoint>> slices;
+  for (int i = 0; i < 8; ++i) {
+    slices.push_back(Readings({{0.02, 170.0 / (i + 1)}, {6.0 + i, 4e4}}, 0.2 * i));
+  }
+  for (int lobes = 1; lobes <= 5; ++lobes) {
+    for (const SliceFit& fit : FitSlicesJoint(slices, {.lobes = lobes})) {
+      EXPECT_TRUE(std::isfinite(fit.cost));
+      for (const Lobe& lobe : fit.lobes) {
+        EXPECT_TRUE(std::isfinite(lobe.kappa) && lobe.kappa > 0) << lobes;
+        EXPECT_TRUE(std::isfinite(lobe.gamma) && lobe.gamma > 0) << lobes;
+      }
+    }
+  }
+}
+
 TEST(SliceJoint, GivesTheSameAgain) {
   const std::vector<std::vector<SlicePoint>> slices = {Readings(kThree), Readings(kThree, 0.4)};
   EXPECT_EQ(FitSlicesJoint(slices)[1].cost, FitSlicesJoint(slices)[1].cost);
