@@ -20,7 +20,7 @@ Action SetUpRun(CLI::App& app) {
   app.add_option("--rig", o->rig, "Rig file")->capture_default_str();
   app.add_option("--plan", o->plan, "Plan file")->capture_default_str();
   app.add_option("--material", o->material,
-                 "What a simulated rig measures: a MERL .binary or a material .yaml");
+                 "What a simulated rig measures: a MERL .binary, RGL .bsdf or material .yaml");
   app.add_option("--out", o->out, "Directory to make for the session; must not exist")->required();
   app.add_option("--max-poses", o->max_poses, "Budget of poses (default: the plan's)")
       ->check(CLI::PositiveNumber);
@@ -59,8 +59,11 @@ Action SetUpFit(CLI::App& app) {
 
 Action SetUpExport(CLI::App& app) {
   auto o = std::make_shared<ExportOptions>();
-  app.add_option("input", o->input, "A session directory or a fit file")->required();
-  app.add_option("--to", o->format, "merl: the full table from the fit; csv: the samples")
+  app.add_option("input", o->input,
+                 "A session directory; to merl also a fit .yaml, .bsdf or material .yaml")
+      ->required();
+  app.add_option("--to", o->format,
+                 "merl: the full table (of a session, from its fit); csv: a session's samples")
       ->required()
       ->check(CLI::IsMember({"merl", "csv"}));
   app.add_option("output", o->out, "File to write")->required();
@@ -69,7 +72,7 @@ Action SetUpExport(CLI::App& app) {
 
 Action SetUpCompare(CLI::App& app) {
   auto o = std::make_shared<CompareOptions>();
-  constexpr const char* kKinds = ": .binary, material .yaml, fit .yaml or session directory";
+  constexpr const char* kKinds = ": .binary, .bsdf, material .yaml, fit .yaml or session";
   app.add_option("reference", o->reference, std::string("The truth") + kKinds)->required();
   app.add_option("other", o->other, std::string("What is judged") + kKinds)->required();
   app.add_option("--json", o->json, "Write the metrics to this file, too (\"-\": standard output)");
@@ -148,7 +151,7 @@ Action SetUpSimulate(CLI::App& app) {
   auto o = std::make_shared<SimulateOptions>();
   app.add_option("--rig", o->rig, "Rig file; must be simulated")->capture_default_str();
   app.add_option("--plan", o->plans, "Plan files")->required();
-  app.add_option("--material", o->materials, "Materials: MERL .binary or material .yaml")
+  app.add_option("--material", o->materials, "Materials: MERL .binary, RGL .bsdf or material .yaml")
       ->required();
   app.add_option("--prior", o->prior, std::string(kPrior) + " (default: each plan's)");
   app.add_option("--max-poses", o->max_poses, "Budget of poses (default: each plan's)")
@@ -179,7 +182,7 @@ struct Command {
 constexpr Command kCommands[] = {
     {"run", "Measure a sample: run a session and fit it", SetUpRun},
     {"fit", "Fit a table, samples or a session again", SetUpFit},
-    {"export", "Turn a session or a fit into other people's formats", SetUpExport},
+    {"export", "Write a session, fit or material in other people's formats", SetUpExport},
     {"compare", "How far one reflectance is from another", SetUpCompare},
     {"simulate", "What plans would cost and bring on a rig; keeps no session", SetUpSimulate},
     {"study", "Fit many materials in many ways and thinnings; continues where it stopped",

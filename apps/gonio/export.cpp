@@ -1,26 +1,43 @@
 // SPDX-License-Identifier: Apache-2.0
-// gonio export: a session or a fit in other people's formats.
+// gonio export: sessions, fits and other reflectances in other people's formats.
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <memory>
+#include <optional>
+
 #include "acquisition/session_record.h"
 #include "apps/gonio/commands.h"
+#include "apps/gonio/locate.h"
 #include "apps/gonio/open_any.h"
+#include "apps/gonio/tabulate.h"
 #include "brdf/merl_table.h"
 #include "brdf/samples_csv.h"
 #include "core/error.h"
+#include "core/units.h"
 
 namespace gonio {
 namespace {
 
-void ExportMerl(const std::filesystem::path& input, const std::filesystem::path& out) {
-  if (!std::filesystem::is_directory(input) && !IsFitFile(input)) {
-    throw ConfigError(input.string() + ": is neither a session directory nor a fit file");
+// A fit may lack a colour, which a table has no way to say.
+void RequireEveryColour(const Brdf& brdf, const std::filesystem::path& input) {
+  const std::optional<Rgb> f_r =
+      brdf.Eval(HalfDiff{.theta_h = 0.2, .theta_d = 0.2, .phi_d = kPi / 2});
+  for (int c = 0; f_r && c < kChannels; ++c) {
+    if (std::isnan((*f_r)[c])) {
+      throw ConfigError(
+          fmt::format("{}: has no {}, which could not be fitted; a table needs all "
+                      "three colours",
+                      input.string(), kChannelNames[c]));
+    }
   }
-  const std::unique_ptr<Brdf> brdf = OpenAny(input);
-  const MerlTable table = MerlTable::FromFunction(
-      out.stem().string(), [&](const HalfDiff& angles) { return brdf->Eval(angles); });
-  table.Write(out);
+}
+
+void ExportMerl(const std::filesystem::path& input, const std::filesystem::path& out) {
+  const std::unique_ptr<Brdf> brdf = OpenAny(LocateConfig(input.string()));
+  RequireEveryColour(*brdf, input);
+  Tabulate(*brdf).Write(out);
 }
 
 void ExportCsv(const std::filesystem::path& input, const std::filesystem::path& out) {

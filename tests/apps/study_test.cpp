@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // Fits of tables by every method, studies, plots and renders, as users run them.
 
+#include <fmt/format.h>
+
 #include <nlohmann/json.hpp>
 
 #include "brdf/analytic.h"
 #include "brdf/merl_table.h"
 #include "brdf/render/image.h"
+#include "core/units.h"
 #include "tests/apps/gonio_process.h"
 
 namespace gonio {
@@ -28,8 +31,7 @@ phi_stride: 30
 
 class Studies : public GonioTest {
  protected:
-  // A table of an analytic material; a colour that is "missing" is negative everywhere but in one
-  // cell.
+  // A table of an analytic material.
   void Table(const std::string& name, double roughness) {
     const AnalyticBrdf brdf(name,
                             {Lambert{{0.2, 0.3, 0.4}}, Ggx{.roughness = roughness, .ior = 1.5}});
@@ -160,6 +162,42 @@ TEST_F(Studies, FitsOfEachMethodAreExportedDrawnAndCompared) {
       Expect("fit data/paint.binary --method joint --lobes auto --keep-every 3 --out a.yaml").out,
       HasSubstr("lobes"));
   ExpectRefused(Gonio("fit joint.yaml --out b.yaml"), 2, {"is a fit already"});
+}
+
+TEST_F(Studies, AColourThatIsMissingCostsNoOther) {
+  Table("paint", 0.3);
+  const MerlTable table = MerlTable::Open(work() / "data/paint.binary");
+  std::string csv =
+      "theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,f_r_red,f_r_green,f_r_blue,sigma_blue\n";
+  for (int i = 2; i < 75; i += 6) {
+    for (int o = 1; o < 75; o += 4) {
+      const DirectionPair pair = {FromSpherical(RadFromDeg(i), 0), FromSpherical(RadFromDeg(o), 3)};
+      const Rgb f_r = *table.Eval(pair);
+      csv += fmt::format("{},0,{},{},{},{},0,inf\n", i, o, DegFromRad(3), f_r[0], f_r[1]);
+    }
+  }
+  File("two.csv", csv);
+  for (const std::string method : {"em", "joint", "continuous"}) {
+    const Finished run = Gonio("fit two.csv --method " + method + " --lobes 2 --out f.yaml");
+    EXPECT_EQ(run.code, 1);
+    EXPECT_THAT(run.err, AllOf(HasSubstr("gonio: two, blue: "), HasSubstr("no reading is valid")));
+    EXPECT_THAT(run.err, Not(HasSubstr("gonio: two, red")));
+    Expect("compare data/paint.binary f.yaml --no-render --phi-stride 30 --json m.json");
+    const json male = Read("m.json")["male_per_channel"];
+    EXPECT_LT(male[0].get<double>(), 0.05);
+    if (method == "continuous") continue;  // the prior has blue follow the other colours
+    EXPECT_TRUE(male[2].is_null());
+    ExpectRefused(Gonio("export f.yaml --to merl t.binary"), 2,
+                  {"f.yaml: has no blue", "a table needs all three colours"});
+  }
+}
+
+TEST_F(Studies, MaterialsBecomeTables) {
+  Expect("export satin-paint.yaml --to merl satin.binary");
+  Expect("compare satin-paint.yaml satin.binary --no-render --phi-stride 30 --json m.json");
+  EXPECT_LT(Read("m.json")["male"].get<double>(), 1e-9);
+  ExpectRefused(Gonio("export satin-paint.yaml --to csv s.csv"), 2, {"satin-paint.yaml"});
+  ExpectRefused(Gonio("export none.bsdf --to merl t.binary"), 2, {"none.bsdf: no such file"});
 }
 
 TEST_F(Studies, MaterialsAreRendered) {
