@@ -133,8 +133,9 @@ std::vector<std::filesystem::path> FindMaterials(
     }
   }
   if (files.empty()) {
-    throw ConfigError(fmt::format("{}: materials: none found in {}", study_file.string(),
-                                  places.front().string()));
+    throw ConfigError(
+        fmt::format("{}: materials: none found in {}; --materials names other folders",
+                    study_file.string(), places.front().string()));
   }
   return files;
 }
