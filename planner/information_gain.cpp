@@ -7,7 +7,7 @@
 
 #include "core/check.h"
 #include "core/units.h"
-#include "fitting/posterior.h"
+#include "fitting/generalised_log.h"
 #include "fitting/slice.h"
 
 namespace gonio {
