@@ -7,13 +7,18 @@
 #include "core/units.h"
 
 namespace gonio {
+namespace {
+
+constexpr double kHighlight = RadFromDeg(0.3);
+
+}  // namespace
 
 ProcessBasis::Terms ProcessBasis::At(const HalfDiff& angles) const {
-  const double u = std::sqrt(std::max(angles.theta_h, 0.0) / (kPi / 2));
+  const double u =
+      std::log1p(std::max(angles.theta_h, 0.0) / kHighlight) / std::log1p(kPi / 2 / kHighlight);
   const SplineBasis h = UnitBasisAt(u, theta_h_knots_);
-  const SplineBasis d = BasisAt(angles.theta_d, theta_d_knots_);
-  const double fade =
-      std::sqrt(std::max(std::sin(angles.theta_h) * std::sin(angles.theta_d), 0.0));
+  const SplineBasis d = UnitBasisAt(1 - std::cos(angles.theta_d), theta_d_knots_);
+  const double fade = std::sqrt(std::max(std::sin(angles.theta_h) * std::sin(angles.theta_d), 0.0));
   const double cos1 = std::cos(angles.phi_d);
   const double cos2 = 2 * cos1 * cos1 - 1;
   const double harmonic[kHarmonics] = {1, fade * cos2, fade * (2 * cos2 * cos2 - 1), fade * cos1};

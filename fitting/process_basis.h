@@ -13,9 +13,11 @@ namespace gonio {
 
 // A function of (theta_h, theta_d, phi_d) as a sum of products:
 //
-//   g = sum_hdk c_hdk  B_h(sqrt(theta_h / 90 deg))  B_d(theta_d / 90 deg)  H_k(phi_d, theta_h, theta_d)
+//   g = sum_hdk c_hdk  B_h(u)  B_d(1 - cos theta_d)  H_k(phi_d, theta_h, theta_d)
+//   u = log(1 + theta_h / 1 deg) / log(91)
 //
-// B: uniform cubic B-splines; the root gives the highlight the resolution a MERL table gives it.
+// B: uniform cubic B-splines; half of those in theta_h serve the highlight, below 9 degrees, and
+// those in theta_d stand densest towards grazing, where reflectance rises.
 // H: 1, t cos 2 phi_d, t cos 4 phi_d, t cos phi_d with t = sqrt(sin theta_h sin theta_d), which
 // fades phi_d out where it means nothing. The last is odd about phi_d = 90 degrees: tables that
 // were measured are not quite as reciprocal as materials.
@@ -25,7 +27,7 @@ class ProcessBasis {
   static constexpr int kTerms = 4 * 4 * kHarmonics;  // that do not vanish at one place
 
   // How many splines over theta_h and theta_d, kMinKnots or more each.
-  ProcessBasis(int theta_h_knots = 24, int theta_d_knots = 10)
+  ProcessBasis(int theta_h_knots = 28, int theta_d_knots = 12)
       : theta_h_knots_(theta_h_knots), theta_d_knots_(theta_d_knots) {}
 
   bool operator==(const ProcessBasis&) const = default;

@@ -1,15 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "planner/plan.h"
 
+#include <algorithm>
+
 #include "core/config.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/units.h"
+#include "planner/process_planner.h"
 
 namespace gonio {
 namespace {
 
 constexpr int kMostPoses = 1000000;
+constexpr int kProcessPhis = 4;
+constexpr double kProcessPhiSpan = RadFromDeg(170);
 
 CandidateOptions ReadCandidates(const ConfigNode& root) {
   CandidateOptions options;
@@ -109,6 +114,26 @@ Plan LoadPlan(const std::filesystem::path& path) {
   return ParsePlan(ReadTextFile(path), path.string());
 }
 
+namespace {
+
+// Where a process was learned it plans: it sees all three angles, so cells get several phi_d.
+std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const Reachable& reachable) {
+  CandidateOptions candidates = plan.candidates;
+  candidates.phi_choices = kProcessPhis;
+  candidates.phi_span = std::max(candidates.phi_span, kProcessPhiSpan);
+  ProcessPlannerOptions options;
+  options.max_poses = plan.max_poses;
+  options.target_error = plan.information.target_error;
+  options.min_gain = plan.information.min_gain;
+  options.gain.objective = plan.information.gain.objective;
+  options.gain.max_polar = plan.information.gain.max_polar;
+  options.gain.relative_noise = plan.information.gain.relative_noise;
+  options.prior = plan.prior.process;
+  return std::make_unique<ProcessPlanner>(MakeCandidates(candidates, reachable), options);
+}
+
+}  // namespace
+
 std::unique_ptr<Planner> MakePlanner(const Plan& plan, const Reachable& reachable,
                                      std::uint64_t seed) {
   std::vector<Candidate> candidates = MakeCandidates(plan.candidates, reachable);
@@ -129,6 +154,7 @@ std::unique_ptr<Planner> MakePlanner(const Plan& plan, const Reachable& reachabl
       return std::make_unique<SequencePlanner>(std::move(candidates), std::move(order), "random");
     }
     case PlannerKind::kInformation: {
+      if (plan.prior.process) return MakeProcessPlanner(plan, reachable);
       InformationOptions options = plan.information;
       options.max_poses = plan.max_poses;
       options.prior = plan.prior;

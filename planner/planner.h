@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -17,6 +18,16 @@ struct Proposal {
   int candidate = 0;   // index into the candidate set
   double score = 0;    // what the planner maximised, in its own unit; larger is better
   std::string reason;  // one short phrase for the log: "opening", "information", "raster"
+};
+
+// Seconds the arms take from one pose to another, both reachable.
+using TravelTime = std::function<double(const DirectionPair& from, const DirectionPair& to)>;
+
+// What a pose costs on the rig; an empty function costs nothing.
+struct SessionCosts {
+  TravelTime travel;
+  // Seconds of settling, exposing and reading out at a pose where f_r is about this [1/sr].
+  std::function<double(const DirectionPair& pair, const Rgb& f_r)> pose;
 };
 
 // A planner is a plain conversation, with no clock, no device and no file:

@@ -173,6 +173,17 @@ Action SetUpReport(CLI::App& app) {
   return [o] { return ReportCommand(*o); };
 }
 
+Action SetUpPrior(CLI::App& app) {
+  auto o = std::make_shared<PriorLearnOptions>();
+  app.require_subcommand(1);
+  CLI::App* learn = app.add_subcommand(
+      "learn", "What materials have in common, to measure others of their kind with fewer poses");
+  learn->add_option("materials", o->materials, "Materials: .binary, .bsdf, .yaml or sessions")
+      ->required();
+  learn->add_option("--out", o->out, "Prior file to write, for --prior")->required();
+  return [o] { return PriorLearnCommand(*o); };
+}
+
 struct Command {
   const char* name;
   const char* help;
@@ -184,6 +195,7 @@ constexpr Command kCommands[] = {
     {"fit", "Fit a table, samples or a session again", SetUpFit},
     {"export", "Write a session, fit or material in other people's formats", SetUpExport},
     {"compare", "How far one reflectance is from another", SetUpCompare},
+    {"prior", "Learn a prior from materials that were measured densely", SetUpPrior},
     {"simulate", "What plans would cost and bring on a rig; keeps no session", SetUpSimulate},
     {"study", "Fit many materials in many ways and thinnings; continues where it stopped",
      SetUpStudy},
