@@ -14,7 +14,8 @@ namespace gonio {
 // "process:" and the lines below it. Components are rounded to five digits: what they describe is
 // known to fewer.
 void WriteProcess(std::ostream& out, const ProcessPrior& process);
-// The mapping those lines make. Throws ConfigError: sizes, spreads < 0, numbers that are not finite.
+// The mapping those lines make. Throws ConfigError: sizes, spreads < 0, numbers that are not
+// finite.
 std::shared_ptr<const ProcessPrior> ReadProcess(const ConfigNode& node);
 
 }  // namespace gonio

@@ -68,7 +68,8 @@ Eigen::MatrixXd Components(const Eigen::MatrixXd& curves, const Eigen::VectorXd&
                            const Eigen::VectorXd& mean, const Eigen::MatrixXd& metric, int most) {
   const Eigen::VectorXd roots = (weights / weights.sum()).cwiseSqrt();
   const Eigen::MatrixXd scaled = (curves.colwise() - mean) * roots.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled.transpose() * (metric * scaled));
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled.transpose() *
+                                                             (metric * scaled));
   const double least = 1e-8 * eigen.eigenvalues().tail(1)[0];
   const auto usable = (eigen.eigenvalues().array() > least).count();
   const Eigen::Index count = std::min<Eigen::Index>(most, usable);
@@ -128,8 +129,8 @@ MaterialField FieldSampler::Sample(const TrainingMaterial& material) const {
     }
     for (int s = 0; s < kScaleCount; ++s) {
       for (int c = 0; c < kChannels; ++c) {
-        z[s * kChannels + c] = GeneralisedLog(
-            MaterialField::kScales[s] * std::max((*f_r)[c], 0.0), floor_);
+        z[s * kChannels + c] =
+            GeneralisedLog(MaterialField::kScales[s] * std::max((*f_r)[c], 0.0), floor_);
       }
     }
     for (int i = 0; i < ProcessBasis::kTerms; ++i) {
@@ -137,19 +138,19 @@ MaterialField FieldSampler::Sample(const TrainingMaterial& material) const {
     }
   }
   if (2 * unknown > points_.size()) {
-    throw ConfigError(fmt::format("{}: knows {:.0f} % of the directions; a prior needs half or more",
-                                  material.name,
-                                  100.0 * static_cast<double>(points_.size() - unknown) /
-                                      static_cast<double>(points_.size())));
+    throw ConfigError(fmt::format(
+        "{}: knows {:.0f} % of the directions; a prior needs half or more", material.name,
+        100.0 * static_cast<double>(points_.size() - unknown) /
+            static_cast<double>(points_.size())));
   }
   return {material.name, normal.llt().solve(pull)};
 }
 
 namespace {
 
-ProcessPrior LearnComponents(std::span<const MaterialField* const> fields, const ProcessBasis& basis,
-                          double floor, const Eigen::MatrixXd& metric,
-                          const ComponentCounts& counts) {
+ProcessPrior LearnComponents(std::span<const MaterialField* const> fields,
+                             const ProcessBasis& basis, double floor, const Eigen::MatrixXd& metric,
+                             const ComponentCounts& counts) {
   constexpr auto kScaleCount = static_cast<int>(std::size(MaterialField::kScales));
   const auto n = static_cast<Eigen::Index>(fields.size());
   const Eigen::Index per_field = kScaleCount + kChannels;

@@ -197,8 +197,8 @@ double ProcessGain::NoiseVariance(int candidate, int group_index) const {
 std::vector<int> ProcessGain::Near(int candidate) const {
   const Candidate& centre = candidates_[candidate];
   std::vector<int> near;
-  for (int row = std::max(0, centre.row - kReach);
-       row <= std::min(rows_ - 1, centre.row + kReach); ++row) {
+  for (int row = std::max(0, centre.row - kReach); row <= std::min(rows_ - 1, centre.row + kReach);
+       ++row) {
     for (int column = std::max(0, centre.column - kReach);
          column <= std::min(columns_ - 1, centre.column + kReach); ++column) {
       const auto& cell = cells_[static_cast<std::size_t>(row) * columns_ + column];
@@ -270,7 +270,8 @@ void ProcessGain::Suppose(int candidate) {
     const Eigen::VectorXf on_q = on_coarse_[g].transpose() * q.cast<float>();
     const auto sf = static_cast<float>(s);
     state.variance -= on_p.cwiseAbs2() / sf;
-    state.numerator += (static_cast<float>(r) / sf * on_p.cwiseAbs2() - 2 * on_p.cwiseProduct(on_q)) / sf;
+    state.numerator +=
+        (static_cast<float>(r) / sf * on_p.cwiseAbs2() - 2 * on_p.cwiseProduct(on_q)) / sf;
   }
 }
 

@@ -16,8 +16,8 @@ constexpr double kBatchShare = 0.1;
 
 }  // namespace
 
-ProcessPlanner::ProcessPlanner(std::vector<Candidate> candidates,
-                                       ProcessPlannerOptions options, SessionCosts costs)
+ProcessPlanner::ProcessPlanner(std::vector<Candidate> candidates, ProcessPlannerOptions options,
+                               SessionCosts costs)
     : options_(std::move(options)),
       costs_(std::move(costs)),
       gain_(std::move(candidates), options_.gain),
@@ -47,7 +47,8 @@ std::optional<Proposal> ProcessPlanner::Choose() {
 std::string ProcessPlanner::Enough() const {
   if (samples_.empty() || !(options_.target_error > 0)) return {};
   if (*predicted_error_ <= options_.target_error) return "target error reached";
-  if (gain_.floor_error() >= options_.target_error && gain_.predicted_error() < 1.2 * gain_.floor_error()) {
+  if (gain_.floor_error() >= options_.target_error &&
+      gain_.predicted_error() < 1.2 * gain_.floor_error()) {
     return "target error is below what the model can reach; nothing more to gain";
   }
   return {};

@@ -37,7 +37,7 @@ class ProcessPlanner final : public Planner {
  public:
   // Preconditions: candidates is not empty, options.prior is not null.
   ProcessPlanner(std::vector<Candidate> candidates, ProcessPlannerOptions options,
-                     SessionCosts costs = {});
+                 SessionCosts costs = {});
 
   std::optional<Proposal> Next() override;
   void Observe(const Proposal& proposal, const BrdfSample& sample) override;
