@@ -12,8 +12,7 @@ ProcessBasis::Terms ProcessBasis::At(const HalfDiff& angles) const {
   const double u = std::sqrt(std::max(angles.theta_h, 0.0) / (kPi / 2));
   const SplineBasis h = UnitBasisAt(u, theta_h_knots_);
   const SplineBasis d = BasisAt(angles.theta_d, theta_d_knots_);
-  const double fade =
-      std::sqrt(std::max(std::sin(angles.theta_h) * std::sin(angles.theta_d), 0.0));
+  const double fade = std::sqrt(std::max(std::sin(angles.theta_h) * std::sin(angles.theta_d), 0.0));
   const double cos1 = std::cos(angles.phi_d);
   const double cos2 = 2 * cos1 * cos1 - 1;
   const double harmonic[kHarmonics] = {1, fade * cos2, fade * (2 * cos2 * cos2 - 1), fade * cos1};

@@ -13,7 +13,8 @@ namespace gonio {
 
 // A function of (theta_h, theta_d, phi_d) as a sum of products:
 //
-//   g = sum_hdk c_hdk  B_h(sqrt(theta_h / 90 deg))  B_d(theta_d / 90 deg)  H_k(phi_d, theta_h, theta_d)
+//   g = sum_hdk c_hdk  B_h(sqrt(theta_h / 90 deg))  B_d(theta_d / 90 deg)  H_k(phi_d, theta_h,
+//   theta_d)
 //
 // B: uniform cubic B-splines; the root gives the highlight the resolution a MERL table gives it.
 // H: 1, t cos 2 phi_d, t cos 4 phi_d, t cos phi_d with t = sqrt(sin theta_h sin theta_d), which
