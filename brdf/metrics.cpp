@@ -106,13 +106,12 @@ std::optional<Pair> Look(const CellSource& reference, const CellSource& other, i
   return Pair{*f, g->isFinite().select(*g, *f), g->isFinite().cast<double>()};
 }
 
-// Calls cell(d, p, cos_i, cos_o) for each physical cell of a row that the strides do not skip. Of
-// `theta_stride` neighbours the one in the middle stands for all.
+// Calls cell(d, p, cos_i, cos_o) for each physical cell of a row that the strides do not skip.
+// Each row skips other theta_d: every theta_h counts, and no stripes can beat with the material's.
 template <typename Cell>
 void ForEachCell(int h, const Cosine& cos_phi, const MetricOptions& options, const Cell& cell) {
-  const int stride = options.theta_stride;
-  if (h % stride != stride / 2) return;
-  for (int d = stride / 2; d < MerlTable::kThetaD; d += stride) {
+  const int stride = options.theta_d_stride;
+  for (int d = h % stride; d < MerlTable::kThetaD; d += stride) {
     const HalfDiff row = MerlTable::CellCentre(h, d, 0);
     const double along = std::cos(row.theta_d) * std::cos(row.theta_h);
     const double across = std::sin(row.theta_d) * std::sin(row.theta_h);
@@ -196,8 +195,8 @@ void MetricOptions::Check() const {
     throw ConfigError(
         fmt::format("phi_stride: is {}, must be between 1 and {}", phi_stride, MerlTable::kPhiD));
   }
-  if (theta_stride < 1 || theta_stride > MerlTable::kThetaD) {
-    throw ConfigError(fmt::format("theta_stride: is {}, must be between 1 and {}", theta_stride,
+  if (theta_d_stride < 1 || theta_d_stride > MerlTable::kThetaD) {
+    throw ConfigError(fmt::format("theta_d_stride: is {}, must be between 1 and {}", theta_d_stride,
                                   MerlTable::kThetaD));
   }
   if (threads < 1) throw ConfigError(fmt::format("threads: is {}, must be >= 1", threads));

@@ -148,7 +148,7 @@ FrontierConfig LoadFrontier(const std::filesystem::path& path) {
   if (root.Has("dense_method")) {
     study.dense = FitMethodFromName(root.Choice("dense_method", {"em", "joint", "continuous"}));
   }
-  study.theta_stride = root.IntegerOr("theta_stride", study.theta_stride, 1, 90);
+  study.theta_d_stride = root.IntegerOr("theta_d_stride", study.theta_d_stride, 1, 90);
   study.phi_stride = root.IntegerOr("phi_stride", study.phi_stride, 1, 180);
   root.RefuseUnknownKeys();
   return study;

@@ -46,9 +46,11 @@ struct FrontierConfig {
   std::vector<std::string> noises;  // "none", "default"
   std::vector<double> targets;      // predicted errors at which a session might have been stopped
   FitMethod dense = FitMethod::kJoint;
-  int theta_stride = 3, phi_stride = 12;  // of the metrics
+  int theta_d_stride = 4, phi_stride = 12;  // of the metrics
 
-  MetricOptions Metrics() const { return {.phi_stride = phi_stride, .theta_stride = theta_stride}; }
+  MetricOptions Metrics() const {
+    return {.phi_stride = phi_stride, .theta_d_stride = theta_d_stride};
+  }
 };
 
 // docs/frontier.md describes the file. Plans and the rig are looked for beside it, then among those

@@ -141,7 +141,7 @@ class Run {
     const auto file = dir_ / "cells" / material.name / "dense.json";
     const std::string key =
         Sha256(fmt::format("{} {} {} {} {}", kNumbersVersion, material.hash, NameOf(study_.dense),
-                           study_.theta_stride, study_.phi_stride));
+                           study_.theta_d_stride, study_.phi_stride));
     DenseCell& cell = dense_[i];
     const auto before = ReadDenseCell(file, key);
     if (before) {
@@ -173,7 +173,7 @@ class Run {
                               task.material->hash, prior, c.plan.text, study_.rig.config.text,
                               NameOf(c.reconstruction), c.per_budget, task.noise, task.seed,
                               fmt::join(study_.budgets, ","), fmt::join(study_.targets, ","),
-                              study_.theta_stride, study_.phi_stride));
+                              study_.theta_d_stride, study_.phi_stride));
   }
 
   void DoTask(std::size_t i) {

@@ -68,10 +68,10 @@ class Counter {
 
 std::array<double, kIntervals.size()> Coverage(const Brdf& truth, const Estimate& estimate,
                                                std::span<const BrdfSample> samples,
-                                               int theta_stride, int phi_stride) {
+                                               int theta_d_stride, int phi_stride) {
   Counter counter(truth, estimate, samples);
-  for (int h = theta_stride / 2; h < MerlTable::kThetaH; h += theta_stride) {
-    for (int d = theta_stride / 2; d < MerlTable::kThetaD; d += theta_stride) {
+  for (int h = 0; h < MerlTable::kThetaH; ++h) {
+    for (int d = h % theta_d_stride; d < MerlTable::kThetaD; d += theta_d_stride) {
       for (int p = 0; p < MerlTable::kPhiD; p += phi_stride) {
         counter.Add(MerlTable::CellCentre(h, d, p), MerlTable::ThetaHWidth(h));
       }
@@ -90,7 +90,7 @@ void Score(const Brdf& truth, const Brdf& reconstruction, std::span<const BrdfSa
   row->log_mse = m.log_mse;
   if (const auto* estimate = dynamic_cast<const Estimate*>(&reconstruction)) {
     row->coverage =
-        Coverage(truth, *estimate, samples, 2 * study.theta_stride, 2 * study.phi_stride);
+        Coverage(truth, *estimate, samples, 4 * study.theta_d_stride, 3 * study.phi_stride);
   }
 }
 

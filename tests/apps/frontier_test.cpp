@@ -22,7 +22,7 @@ budgets: [4, 12]
 noise: [none]
 targets: [10]
 dense_method: continuous
-theta_stride: 9
+theta_d_stride: 9
 phi_stride: 45
 contestants:
   - name: chosen
@@ -150,7 +150,8 @@ TEST_F(Frontier, IsStoppedAfterTheTasksInHand) {
   File("s.yaml", kStudy);
   const Finished stopped = Shell(
       "\"$GONIO\" study s.yaml --materials data --out out --threads 1 & pid=$!; "
-      "until ls out/cells/*/dense.json >/dev/null 2>&1 || ! kill -0 $pid; do :; done; kill -INT $pid; wait $pid");
+      "until ls out/cells/*/dense.json >/dev/null 2>&1 || ! kill -0 $pid; do :; done; kill -INT "
+      "$pid; wait $pid");
   EXPECT_EQ(stopped.code, 3);
   EXPECT_THAT(stopped.out, HasSubstr("stopped; the same command goes on from here"));
   EXPECT_THAT(Expect(kRun).out, AllOf(HasSubstr("12 tasks, "), Not(HasSubstr("12 tasks, 0 of"))));
