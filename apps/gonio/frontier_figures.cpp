@@ -75,6 +75,30 @@ PlotTable CurveOf(const ContestantSummary& summary, Cost cost, const std::string
   return table;
 }
 
+// The bands of a group's contestants, then their lines, each followed by a comma.
+std::string Curves(const Group& group, const std::vector<ContestantSummary>& summaries,
+                   const std::vector<std::string>& contestants, Cost cost, bool legend,
+                   std::vector<PlotTable>* tables, LogRange* x, LogRange* y) {
+  std::string bands, lines;
+  for (const ContestantSummary& summary : summaries) {
+    if (Group{summary.noise, summary.held_out} != group) continue;
+    const auto at = std::find(contestants.begin(), contestants.end(), summary.contestant);
+    const char* colour =
+        kColours[static_cast<std::size_t>(at - contestants.begin()) % std::size(kColours)];
+    tables->push_back(CurveOf(summary, cost, fmt::format("t{}", tables->size()), x, y));
+    const std::string& name = tables->back().name;
+    bands += fmt::format(
+        "${} using 1:3:4 with filledcurves fillstyle transparent solid 0.1 noborder linecolor "
+        "'{}' title '', ",
+        name, colour);
+    lines += fmt::format(
+        "${} using 1:2 with linespoints linewidth 2 pointtype 7 pointsize 0.4 linecolor '{}' "
+        "title {}, ",
+        name, colour, legend ? Quoted(summary.contestant) : "''");
+  }
+  return bands + lines;
+}
+
 // A table of points (x, y) for each contestant, in their order.
 class Scatter {
  public:
@@ -112,49 +136,28 @@ constexpr const char* kKey = "opaque noenhanced samplen 1.2 spacing 0.9 font ',1
 Plot FrontierPlot(const FrontierResult& result, const std::vector<ContestantSummary>& summaries,
                   Cost cost) {
   const std::vector<Group> groups = GroupsOf(summaries);
-  const std::vector<std::string> contestants = ContestantsOf(result);
   Plot plot{.title = fmt::format("Error against {} of {}",
                                  cost == Cost::kPoses ? "poses" : "minutes", result.name),
             .width = static_cast<int>(groups.size()) * kPanelWidth,
             .height = kPanelHeight};
   LogRange x, y;
-  std::vector<std::string> panels;
+  std::string panels;
   for (const Group& group : groups) {
-    std::string bands, lines;
-    for (const ContestantSummary& summary : summaries) {
-      if (Group{summary.noise, summary.held_out} != group) continue;
-      const auto at = std::find(contestants.begin(), contestants.end(), summary.contestant);
-      const char* colour =
-          kColours[static_cast<std::size_t>(at - contestants.begin()) % std::size(kColours)];
-      plot.tables.push_back(CurveOf(summary, cost, fmt::format("t{}", plot.tables.size()), &x, &y));
-      const std::string& name = plot.tables.back().name;
-      bands += fmt::format(
-          "${} using 1:3:4 with filledcurves fillstyle transparent solid 0.1 noborder linecolor "
-          "'{}' title '', ",
-          name, colour);
-      lines += fmt::format(
-          "${} using 1:2 with linespoints linewidth 2 pointtype 7 pointsize 0.4 linecolor '{}' "
-          "title {}, ",
-          name, colour, group == groups.front() ? Quoted(summary.contestant) : "''");
-    }
+    const bool first = group == groups.front();
     const double dense = DenseMedian(result, group.held_out);
     y.Include(dense);
-    if (std::isfinite(dense)) {
-      lines +=
-          fmt::format("{:.6g} with lines dashtype 2 linewidth 1.5 linecolor '#1f2933' title '{}', ",
-                      dense, group == groups.front() ? "dense fit" : "");
-    }
-    lines.resize(lines.size() - 2);
-    panels.push_back(fmt::format("set title '{}' offset 0,-0.5\nset ylabel '{}' offset 1,0\n",
-                                 group.Title(), group == groups.front() ? "MALE" : "") +
-                     "plot " + bands + lines + "\n");
+    panels += fmt::format("set title '{}' offset 0,-0.5\nset ylabel '{}' offset 1,0\nplot ",
+                          group.Title(), first ? "MALE" : "") +
+              Curves(group, summaries, ContestantsOf(result), cost, first, &plot.tables, &x, &y);
+    // Without a dense fit the line is off the picture.
+    panels += fmt::format(
+        "{:.6g} with lines dashtype 2 linewidth 1.5 linecolor '#1f2933' title '{}'\n",
+        std::isfinite(dense) ? dense : 1e-12, first && std::isfinite(dense) ? "dense fit" : "");
   }
   plot.script = Layout(groups.size()) + x.Axis('x', 1.1) + y.Axis('y', 1.2) +
                 fmt::format("set xlabel '{}'\nset key bottom left ",
                             cost == Cost::kPoses ? "poses" : "minutes on the session clock") +
-                kKey;
-  for (const std::string& panel : panels) plot.script += panel;
-  plot.script += "unset multiplot\n";
+                kKey + panels + "unset multiplot\n";
   return plot;
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/gonio/frontier_summary.h"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cmath>
 
+#include "apps/gonio/frontier_figures.h"
 #include "apps/gonio/frontier_score.h"
 #include "apps/gonio/statistics.h"
 #include "apps/gonio/task_pool.h"
@@ -136,6 +137,21 @@ TEST(Coverage, LeavesOutWhatWasMeasured) {
   std::vector<BrdfSample> samples(1);
   samples[0].directions = ToDirections(Local::kAt);
   EXPECT_EQ(Coverage(Flat(), Local(), samples, 6, 24)[0], 0);
+}
+
+TEST(CoveragePlot, NamesEveryMaterialAndIsNotDrawnWithoutIntervals) {
+  FrontierResult result;
+  result.cells = {Cell("a-material", 0.01, 0.9), Cell("another", 0.02, 0.5)};
+  for (const FrontierCell& cell : result.cells) {
+    result.dense.push_back({cell.material, false, "", 0.01});
+  }
+  const auto plot = CoveragePlot(result);
+  ASSERT_TRUE(plot);
+  EXPECT_THAT(RenderSvg(*plot, "c"),
+              testing::AllOf(testing::HasSubstr("a-material"), testing::HasSubstr("another"),
+                             testing::HasSubstr("one")));
+  for (FrontierCell& cell : result.cells) cell.rows[1].coverage = cell.rows[0].coverage;
+  EXPECT_FALSE(CoveragePlot(result));
 }
 
 }  // namespace
