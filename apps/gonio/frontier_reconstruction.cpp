@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/gonio/frontier_reconstruction.h"
+
+#include <fmt/format.h>
+
+#include "core/check.h"
+#include "core/error.h"
+#include "fitting/fit.h"
+
+namespace gonio {
+
+std::unique_ptr<Brdf> Reconstruct(Reconstruction how, std::span<const BrdfSample> samples,
+                                  const Plan& plan, const Knowledge*) {
+  switch (how) {
+    case Reconstruction::kDsbrdf:
+      return std::make_unique<DsbrdfFit>(FitDsbrdf(samples, plan.prior, plan.fit));
+    case Reconstruction::kProcess:
+    case Reconstruction::kPca:
+    case Reconstruction::kScattered:
+      throw ConfigError(fmt::format("reconstruction {}: is not there yet", NameOf(how)));
+  }
+  GONIO_CHECK(false, "every kind of reconstruction is handled");
+}
+
+}  // namespace gonio
