@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The materials something is learned from.
+// Materials to learn from.
 
 #pragma once
 
@@ -9,10 +9,9 @@
 
 namespace gonio {
 
-// `name` is what the learned thing lists, so that nothing is scored on what it was taught with.
 struct TrainingMaterial {
-  std::string name;
-  const Brdf* brdf = nullptr;  // not null; outlives the learning, not what was learned
+  std::string name;  // as it will be listed by what was learned from it
+  const Brdf* brdf = nullptr;
 };
 
 }  // namespace gonio

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "fitting/pca_reflectance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "core/error.h"
+#include "core/units.h"
+#include "tests/brdf/function_brdf.h"
+#include "tests/fitting/synthetic.h"
+
+namespace gonio {
+namespace {
+
+const AngleGrid kGrid(30, 24, 12);
+
+// A diffuse base with a peak of its own height and width.
+std::unique_ptr<Brdf> Material(double diffuse, double peak, double width) {
+  return std::make_unique<FunctionBrdf>([=](const HalfDiff& a) -> std::optional<Rgb> {
+    const double lobe = peak * std::exp(-std::pow(std::tan(a.theta_h) / width, 2));
+    return Rgb(diffuse + lobe, 0.5 * diffuse + lobe, 0.2 * diffuse + lobe);
+  });
+}
+
+class PcaTest : public testing::Test {
+ protected:
+  PcaTest() {
+    for (int i = 0; i < 8; ++i) {
+      owned_.push_back(
+          Material(0.02 + 0.03 * i, std::exp(0.6 * (i * 5 % 8)), 0.15 + 0.05 * (i % 3)));
+      training_.push_back({std::to_string(i), owned_.back().get()});
+    }
+  }
+
+  // Mean |ln(1 + f) - ln(1 + g)| over the nodes above the horizon.
+  static double Error(const Brdf& f, const Brdf& g) {
+    double sum = 0;
+    int count = 0;
+    for (int node = 0; node < kGrid.size(); ++node) {
+      if (!kGrid.Physical(node)) continue;
+      const HalfDiff angles = kGrid.Inside(node);
+      sum += ((1 + *f.Eval(angles)) / (1 + *g.Eval(angles))).log().abs().mean();
+      ++count;
+    }
+    return sum / count;
+  }
+
+  std::vector<std::unique_ptr<Brdf>> owned_;
+  std::vector<TrainingMaterial> training_;
+};
+
+TEST_F(PcaTest, MapsBackToWhatWasMapped) {
+  const PcaBasis basis(training_, kGrid);
+  for (const int node : {0, 100, 5170}) {
+    for (const double f_r : {0.0, 0.01, 3.0, 500.0}) {
+      EXPECT_NEAR(basis.Unmap(basis.Map(f_r, kGrid.Node(node)), node), f_r, 1e-4 * (1 + f_r));
+    }
+  }
+  EXPECT_EQ(basis.Map(-0.1, kGrid.Node(0)), basis.Map(0, kGrid.Node(0)));
+}
+
+TEST_F(PcaTest, ComponentsAreOrthogonalAndScaledByTheirSingularValues) {
+  const PcaBasis basis(training_, kGrid);
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(basis.rank(), basis.rank());
+  for (int node = 0; node < kGrid.size(); ++node) {
+    if (!kGrid.Physical(node)) continue;
+    const Eigen::VectorXd row = basis.Row(kGrid.Node(node));
+    gram += row * row.transpose();
+  }
+  const double largest = std::pow(basis.singular_values()[0], 2);
+  for (int i = 0; i < basis.rank(); ++i) {
+    EXPECT_NEAR(gram(i, i), std::pow(basis.singular_values()[i], 2), 1e-4 * largest);
+    for (int j = 0; j < i; ++j) EXPECT_NEAR(gram(i, j), 0, 1e-4 * largest);
+  }
+}
+
+TEST_F(PcaTest, ReconstructsATrainingMaterialFromItsReadings) {
+  const PcaBasis basis(training_, kGrid);
+  const auto samples = Readings(*owned_[3], 60, 0, 5);
+  const auto brdf = Reconstruct(samples, basis, {.ridge = 1e-3});
+  EXPECT_LT(Error(*owned_[3], *brdf), 0.02);
+}
+
+TEST_F(PcaTest, ReconstructsAnUnseenMaterialBetterThanTheMean) {
+  const PcaBasis basis(training_, kGrid);
+  const auto material = Material(0.4, 40, 0.22);
+  const auto mean = Reconstruct({}, basis);
+  double last = Error(*material, *mean);
+  for (const int poses : {4, 40}) {
+    const double error = Error(*material, *Reconstruct(Readings(*material, poses, 0, 2), basis));
+    EXPECT_LT(error, 0.8 * last) << poses;
+    last = error;
+  }
+}
+
+TEST_F(PcaTest, LeavesOutReadingsOfInfiniteSigma) {
+  const PcaBasis basis(training_, kGrid);
+  auto samples = Readings(*owned_[1], 20, 0, 5);
+  const auto without = Reconstruct(samples, basis);
+  samples.push_back(samples[0]);
+  samples.back().f_r = Rgb::Constant(1e6);
+  samples.back().sigma = Rgb::Constant(std::numeric_limits<double>::infinity());
+  EXPECT_EQ(Error(*without, *Reconstruct(samples, basis)), 0);
+}
+
+TEST_F(PcaTest, IsFiniteAboveTheHorizonAndEmptyBelow) {
+  const PcaBasis basis(training_, kGrid);
+  const auto brdf = Reconstruct(Readings(*owned_[2], 10, 0, 5), basis);
+  EXPECT_FALSE(brdf->Eval(HalfDiff{1.5, 1.5, 0}).has_value());
+  for (const HalfDiff& angles : {HalfDiff{0, 0, 0}, HalfDiff{0, 1.57, 0}, HalfDiff{1.57, 0, 0},
+                                 HalfDiff{1.2, 0.3, 0.2}, HalfDiff{0.9, 0.67, 0}}) {
+    const auto f_r = brdf->Eval(angles);
+    ASSERT_TRUE(f_r.has_value());
+    EXPECT_TRUE(f_r->isFinite().all());
+    EXPECT_TRUE((*f_r >= 0).all());
+    EXPECT_TRUE((*f_r < 100).all());
+  }
+}
+
+TEST_F(PcaTest, NamesItsMaterials) {
+  const PcaBasis basis(training_, kGrid);
+  ASSERT_EQ(basis.materials().size(), 8);
+  EXPECT_EQ(basis.materials()[7], "7");
+  EXPECT_EQ(basis.columns(), 24);
+  EXPECT_LE(basis.rank(), 23);
+}
+
+TEST_F(PcaTest, RefusesLessThanTwoMaterials) {
+  training_.resize(1);
+  EXPECT_THROW(PcaBasis(training_, kGrid), ConfigError);
+}
+
+}  // namespace
+}  // namespace gonio
