@@ -6,35 +6,20 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <vector>
 
 #include "core/error.h"
 #include "core/units.h"
-#include "tests/brdf/function_brdf.h"
 #include "tests/fitting/synthetic.h"
+#include "tests/fitting/training_set.h"
 
 namespace gonio {
 namespace {
 
 const AngleGrid kGrid(30, 24, 12);
 
-// A diffuse base with a peak of its own height and width.
-std::unique_ptr<Brdf> Material(double diffuse, double peak, double width) {
-  return std::make_unique<FunctionBrdf>([=](const HalfDiff& a) -> std::optional<Rgb> {
-    const double lobe = peak * std::exp(-std::pow(std::tan(a.theta_h) / width, 2));
-    return Rgb(diffuse + lobe, 0.5 * diffuse + lobe, 0.2 * diffuse + lobe);
-  });
-}
-
 class PcaTest : public testing::Test {
  protected:
-  PcaTest() {
-    for (int i = 0; i < 8; ++i) {
-      owned_.push_back(
-          Material(0.02 + 0.03 * i, std::exp(0.6 * (i * 5 % 8)), 0.15 + 0.05 * (i % 3)));
-      training_.push_back({std::to_string(i), owned_.back().get()});
-    }
-  }
-
   // Mean |ln(1 + f) - ln(1 + g)| over the nodes above the horizon.
   static double Error(const Brdf& f, const Brdf& g) {
     double sum = 0;
@@ -48,12 +33,13 @@ class PcaTest : public testing::Test {
     return sum / count;
   }
 
-  std::vector<std::unique_ptr<Brdf>> owned_;
-  std::vector<TrainingMaterial> training_;
+  const Brdf& Trained(int i) const { return *training_.materials()[i].brdf; }
+
+  const TrainingSet training_;
 };
 
 TEST_F(PcaTest, MapsBackToWhatWasMapped) {
-  const PcaBasis basis(training_, kGrid);
+  const PcaBasis basis(training_.materials(), kGrid);
   for (const int node : {0, 100, 5170}) {
     for (const double f_r : {0.0, 0.01, 3.0, 500.0}) {
       EXPECT_NEAR(basis.Unmap(basis.Map(f_r, kGrid.Node(node)), node), f_r, 1e-4 * (1 + f_r));
@@ -63,7 +49,7 @@ TEST_F(PcaTest, MapsBackToWhatWasMapped) {
 }
 
 TEST_F(PcaTest, ComponentsAreOrthogonalAndScaledByTheirSingularValues) {
-  const PcaBasis basis(training_, kGrid);
+  const PcaBasis basis(training_.materials(), kGrid);
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(basis.rank(), basis.rank());
   for (int node = 0; node < kGrid.size(); ++node) {
     if (!kGrid.Physical(node)) continue;
@@ -78,15 +64,15 @@ TEST_F(PcaTest, ComponentsAreOrthogonalAndScaledByTheirSingularValues) {
 }
 
 TEST_F(PcaTest, ReconstructsATrainingMaterialFromItsReadings) {
-  const PcaBasis basis(training_, kGrid);
-  const auto samples = Readings(*owned_[3], 60, 0, 5);
+  const PcaBasis basis(training_.materials(), kGrid);
+  const auto samples = Readings(Trained(3), 60, 0, 5);
   const auto brdf = Reconstruct(samples, basis, {.ridge = 1e-3});
-  EXPECT_LT(Error(*owned_[3], *brdf), 0.02);
+  EXPECT_LT(Error(Trained(3), *brdf), 0.02);
 }
 
 TEST_F(PcaTest, ReconstructsAnUnseenMaterialBetterThanTheMean) {
-  const PcaBasis basis(training_, kGrid);
-  const auto material = Material(0.4, 40, 0.22);
+  const PcaBasis basis(training_.materials(), kGrid);
+  const auto material = PeakedMaterial(0.4, 40, 0.22);
   const auto mean = Reconstruct({}, basis);
   double last = Error(*material, *mean);
   for (const int poses : {4, 40}) {
@@ -97,8 +83,8 @@ TEST_F(PcaTest, ReconstructsAnUnseenMaterialBetterThanTheMean) {
 }
 
 TEST_F(PcaTest, LeavesOutReadingsOfInfiniteSigma) {
-  const PcaBasis basis(training_, kGrid);
-  auto samples = Readings(*owned_[1], 20, 0, 5);
+  const PcaBasis basis(training_.materials(), kGrid);
+  auto samples = Readings(Trained(1), 20, 0, 5);
   const auto without = Reconstruct(samples, basis);
   samples.push_back(samples[0]);
   samples.back().f_r = Rgb::Constant(1e6);
@@ -107,8 +93,8 @@ TEST_F(PcaTest, LeavesOutReadingsOfInfiniteSigma) {
 }
 
 TEST_F(PcaTest, IsFiniteAboveTheHorizonAndEmptyBelow) {
-  const PcaBasis basis(training_, kGrid);
-  const auto brdf = Reconstruct(Readings(*owned_[2], 10, 0, 5), basis);
+  const PcaBasis basis(training_.materials(), kGrid);
+  const auto brdf = Reconstruct(Readings(Trained(2), 10, 0, 5), basis);
   EXPECT_FALSE(brdf->Eval(HalfDiff{1.5, 1.5, 0}).has_value());
   for (const HalfDiff& angles : {HalfDiff{0, 0, 0}, HalfDiff{0, 1.57, 0}, HalfDiff{1.57, 0, 0},
                                  HalfDiff{1.2, 0.3, 0.2}, HalfDiff{0.9, 0.67, 0}}) {
@@ -121,7 +107,7 @@ TEST_F(PcaTest, IsFiniteAboveTheHorizonAndEmptyBelow) {
 }
 
 TEST_F(PcaTest, NamesItsMaterials) {
-  const PcaBasis basis(training_, kGrid);
+  const PcaBasis basis(training_.materials(), kGrid);
   ASSERT_EQ(basis.materials().size(), 8);
   EXPECT_EQ(basis.materials()[7], "7");
   EXPECT_EQ(basis.columns(), 24);
@@ -129,8 +115,8 @@ TEST_F(PcaTest, NamesItsMaterials) {
 }
 
 TEST_F(PcaTest, RefusesLessThanTwoMaterials) {
-  training_.resize(1);
-  EXPECT_THROW(PcaBasis(training_, kGrid), ConfigError);
+  const std::vector<TrainingMaterial> one(1, training_.materials()[0]);
+  EXPECT_THROW(PcaBasis(one, kGrid), ConfigError);
 }
 
 }  // namespace
