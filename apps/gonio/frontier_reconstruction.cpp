@@ -6,6 +6,7 @@
 #include "core/check.h"
 #include "core/error.h"
 #include "fitting/fit.h"
+#include "fitting/process_fit.h"
 
 namespace gonio {
 
@@ -15,6 +16,7 @@ std::unique_ptr<Brdf> Reconstruct(Reconstruction how, std::span<const BrdfSample
     case Reconstruction::kDsbrdf:
       return std::make_unique<DsbrdfFit>(FitDsbrdf(samples, plan.prior, plan.fit));
     case Reconstruction::kProcess:
+      return FitProcess(samples, plan.prior);
     case Reconstruction::kPca:
     case Reconstruction::kScattered:
       throw ConfigError(fmt::format("reconstruction {}: is not there yet", NameOf(how)));
