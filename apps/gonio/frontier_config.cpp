@@ -14,8 +14,7 @@
 namespace gonio {
 namespace {
 
-constexpr Reconstruction kReconstructions[] = {Reconstruction::kDsbrdf, Reconstruction::kProcess,
-                                               Reconstruction::kPca, Reconstruction::kScattered};
+constexpr Reconstruction kReconstructions[] = {Reconstruction::kDsbrdf, Reconstruction::kProcess};
 
 std::vector<std::string> TextsOr(const ConfigNode& node, const char* key,
                                  std::vector<std::string> fallback) {
@@ -117,10 +116,6 @@ const char* NameOf(Reconstruction reconstruction) {
       return "dsbrdf";
     case Reconstruction::kProcess:
       return "process";
-    case Reconstruction::kPca:
-      return "pca";
-    case Reconstruction::kScattered:
-      return "scattered";
   }
   return "";
 }

@@ -17,9 +17,9 @@
 namespace gonio {
 
 // What makes a reflectance of the samples of a session.
-enum class Reconstruction { kDsbrdf, kProcess, kPca, kScattered };
+enum class Reconstruction { kDsbrdf, kProcess };
 
-// "dsbrdf", "process", "pca", "scattered"
+// "dsbrdf", "process"
 const char* NameOf(Reconstruction reconstruction);
 
 // A planner and what is made of its samples.

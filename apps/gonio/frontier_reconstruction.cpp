@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/gonio/frontier_reconstruction.h"
 
-#include <fmt/format.h>
-
 #include "core/check.h"
-#include "core/error.h"
 #include "fitting/fit.h"
 #include "fitting/process_fit.h"
 
@@ -17,9 +14,6 @@ std::unique_ptr<Brdf> Reconstruct(Reconstruction how, std::span<const BrdfSample
       return std::make_unique<DsbrdfFit>(FitDsbrdf(samples, plan.prior, plan.fit));
     case Reconstruction::kProcess:
       return FitProcess(samples, plan.prior);
-    case Reconstruction::kPca:
-    case Reconstruction::kScattered:
-      throw ConfigError(fmt::format("reconstruction {}: is not there yet", NameOf(how)));
   }
   GONIO_CHECK(false, "every kind of reconstruction is handled");
 }
