@@ -15,12 +15,11 @@ namespace {
 constexpr int kLeaders = 6;
 constexpr int kReach = 2;  // raster cells around a leader
 
-// The next point of the additive recurrence in three dimensions (M. Roberts' R3 sequence).
-HalfDiff SpreadDirection(int n) {
-  constexpr double kSteps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
-  double u[3];
-  for (int k = 0; k < 3; ++k) u[k] = std::fmod(0.5 + (n + 1) * kSteps[k], 1.0);
-  return {u[0] * kPi / 2, u[1] * kPi / 2, u[2] * kPi};
+// n's digits to this base, mirrored at the point: 0 .. 1.
+double RadicalInverse(int n, int base) {
+  double inverse = 0;
+  for (double digit = 1.0 / base; n > 0; n /= base, digit /= base) inverse += digit * (n % base);
+  return inverse;
 }
 
 // Sensitivity of the objective's quantity to z = glog(f_r).
@@ -35,14 +34,21 @@ double Sensitivity(Objective objective, double f_r, double cosine, double floor)
 ProcessGain::ProcessGain(std::vector<Candidate> candidates, const ProcessGainOptions& options)
     : candidates_(std::move(candidates)), options_(options) {
   const double limit = std::cos(options_.max_polar);
-  for (int n = 0; static_cast<int>(targets_.size()) < options_.targets; ++n) {
-    const HalfDiff angles = SpreadDirection(n);
+  double sum = 0;
+  for (int n = 1; static_cast<int>(targets_.size()) < options_.targets; ++n) {
+    // Halton's points: no two of their coordinates follow each other, in the highlight or anywhere.
+    const double u = RadicalInverse(n, 2);
+    const HalfDiff angles{u * u * kPi / 2, RadicalInverse(n, 3) * kPi / 2,
+                          RadicalInverse(n, 5) * kPi};
     double cos_i = 0;
     double cos_o = 0;
     Cosines(angles, &cos_i, &cos_o);
     if (cos_i < limit || cos_o < limit) continue;
-    targets_.push_back({angles, cos_i, 1.0 / options_.targets});
+    // As dense as sqrt(theta_h), and each counting as much of theta_h as it stands for.
+    targets_.push_back({angles, cos_i, u});
+    sum += u;
   }
+  for (Target& target : targets_) target.weight /= sum;
   for (const Candidate& candidate : candidates_) {
     rows_ = std::max(rows_, candidate.row + 1);
     columns_ = std::max(columns_, candidate.column + 1);
