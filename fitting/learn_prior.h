@@ -15,7 +15,7 @@ namespace gonio {
 struct LearnOptions {
   std::string name = "learned";
   ProcessBasis basis;
-  double floor = 0.01;            // 1/sr, > 0: of the process's glog
+  double floor = 0.02;            // 1/sr, > 0: of the process's glog
   int luminance_components = 50;  // > 0: at most
   int chroma_components = 40;     // > 0: at most
   ReadingRaster raster;           // where the materials are read

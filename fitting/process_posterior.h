@@ -17,7 +17,7 @@ struct ProcessOptions {
   // Standard deviations of log f_r beyond the samples' own sigma, each >= 0: of what no process so
   // smooth can follow (one channel at a time), and of what all channels of a pose share, such as
   // the repeatability of the arms.
-  double model_error = 0.02;
+  double model_error = 0.03;
   double repeatability = 0.004;
   double huber = 3;          // > 0: readings off by more standard deviations count less
   double scale_weight = 30;  // >= 0: how many readings the process's own scale is worth

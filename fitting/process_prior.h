@@ -29,7 +29,7 @@ struct Calibration {
 // do. The stationary part is what a material may do that none of them did (docs/fitting.md).
 struct ProcessPrior {
   ProcessBasis basis;
-  double floor = 0.01;        // 1/sr, of glog
+  double floor = 0.02;        // 1/sr, of glog
   Eigen::VectorXd mean;       // basis.size() coefficients
   Eigen::MatrixXd luminance;  // basis.size() x components, each scaled by its standard deviation
   Eigen::MatrixXd chroma;     // basis.size() x components

@@ -22,11 +22,19 @@ double RadicalInverse(int n, int base) {
   return inverse;
 }
 
-// Sensitivity of the objective's quantity to z = glog(f_r).
-double Sensitivity(Objective objective, double f_r, double cosine, double floor) {
-  if (objective == Objective::kRelative) return 1;
-  const double f = std::max(f_r, 0.0);
-  return cosine / (1 + f * cosine) / GeneralisedLogSlope(f, floor);
+// The objective's quantity at z = glog(f_r).
+double Quantity(Objective objective, double z, double cosine, double floor) {
+  if (objective == Objective::kRelative) return z;
+  return std::log1p(std::max(FromGeneralisedLog(z, floor), 0.0) * cosine);
+}
+
+// How much it changes with z, on average within a standard deviation: where little is known yet, a
+// dark prediction must not make light of what may be bright.
+double Sensitivity(Objective objective, double z, double sd, double cosine, double floor) {
+  const double reach = std::max(sd, 1e-3);
+  return (Quantity(objective, z + reach, cosine, floor) -
+          Quantity(objective, z - reach, cosine, floor)) /
+         (2 * reach);
 }
 
 }  // namespace
@@ -129,22 +137,25 @@ void ProcessGain::SetObjective(const ProcessPosterior& posterior, const ProcessO
   const Eigen::Matrix3d& t = model_->transform();
   const Eigen::Matrix3d squares = t.cwiseAbs2();
   const double white = process.model_error * process.model_error;
-  Eigen::MatrixXd on_series(kChannels, targets);  // weight x sensitivity^2
+  Eigen::MatrixXd on_series(kChannels, targets);  // d error / d variance, but for a factor
   total_ = predicted_error_ = floor_error_ = 0;
   for (Eigen::Index i = 0; i < targets; ++i) {
     const Eigen::Vector3d z = t.transpose() * series.col(i);
     const Eigen::Vector3d v = squares.transpose() * variance.col(i);
-    Eigen::Vector3d squared;
+    Eigen::Vector3d slope;
     for (int c = 0; c < kChannels; ++c) {
-      const double f = FromGeneralisedLog(z[c], model_->floor());
-      const double g = Sensitivity(options_.objective, f, targets_[i].cosine, model_->floor());
-      squared[c] = targets_[i].weight * g * g / kChannels;
-      const double weight = targets_[i].weight / kChannels;
+      const double sd = std::sqrt(v[c] + white);
+      const double g =
+          Sensitivity(options_.objective, z[c], sd, targets_[i].cosine, model_->floor());
+      const double weight = targets_[i].weight / kChannels * g;
+      // How fast the mean absolute error falls with variance. Summing variances instead would send
+      // most of the first poses into the highlight, where little is known of little.
+      slope[c] = weight / sd;
       // Mean absolute value of a Gaussian: sqrt(2 / pi) sigma.
-      predicted_error_ += weight * g * std::sqrt(2 / kPi * (v[c] + white));
-      floor_error_ += weight * g * std::sqrt(2 / kPi * white);
+      predicted_error_ += weight * std::sqrt(2 / kPi) * sd;
+      floor_error_ += weight * std::sqrt(2 / kPi * white);
     }
-    on_series.col(i) = squares * squared;
+    on_series.col(i) = squares * slope;
     total_ += on_series.col(i).dot(variance.col(i));
   }
   for (std::size_t g = 0; g < groups_.size(); ++g) {

@@ -30,9 +30,9 @@ struct ProcessGainOptions {
 //   gain(x) = sum over series s of  phi' P A_s P phi / (phi' P phi + r)
 //
 // phi: features at x; P: covariance of the weights; A_s: sum over the target directions of
-// weight x (sensitivity of the objective to the series)^2 x phi phi'; r: variance of a reading.
-// A thinned set of candidates is scored first, then all those near
-// its best.
+// weight x sensitivity of the objective to z / standard deviation of z x phi phi', so that it is
+// the expected absolute error that falls fastest; r: variance of a reading. A thinned set of
+// candidates is scored first, then all those near its best.
 //
 // Supposing a candidate measured changes P by a matrix of rank one, and all scores with it in a few
 // operations each: so a batch can be chosen one by one without measuring in between.
@@ -53,7 +53,7 @@ class ProcessGain {
   using Cost = std::function<double(const Candidate&)>;
   struct Choice {
     int candidate = -1;  // -1: none is left
-    double gain = 0;     // share of the objective's variance (0 .. 1)
+    double gain = 0;     // share of the expected error, were it to fall on like that (0 .. 1)
     double score = 0;    // gain / cost
   };
   // The candidate with the largest gain / cost among those not `spent`.
