@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/gonio/open_any.h"
-#include "fitting/learn_prior.h"
+#include "planner/prior_calibration.h"
 
 namespace gonio {
 
@@ -18,7 +18,7 @@ Prior LearnFrom(std::span<const FrontierMaterial> materials, const std::string& 
   }
   LearnOptions options;
   options.name = name;
-  return LearnPrior(training, options);
+  return LearnCalibratedPrior(training, options);
 }
 
 }  // namespace gonio
