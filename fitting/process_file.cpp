@@ -21,7 +21,7 @@ void WriteRounded(std::ostream& out, std::string_view key,
   int i = 0;
   for (const double number : numbers.reshaped()) {
     if (i > 0) out << (i % kPerLine == 0 ? ",\n    " : ", ");
-    out << fmt::format("{:.5g}", number);
+    out << fmt::format("{:.4g}", number);
     ++i;
   }
   out << "]\n";
