@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "planner/plan.h"
 
+#include <map>
+#include <vector>
+
 #include "core/config.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/units.h"
+#include "planner/direction_lists.h"
+#include "planner/hierarchical_planner.h"
 
 namespace gonio {
 namespace {
@@ -74,6 +79,77 @@ void ReadInformation(const ConfigNode& root, InformationOptions* options) {
   gain.repeat_length = node.NumberOr("repeat_length", gain.repeat_length, Range::Positive());
 }
 
+void ReadSlices(const ConfigNode& root, SliceRefinementOptions* options) {
+  if (!root.Has("slices")) return;
+  const ConfigNode node = root.Map("slices");
+  options->floor = node.NumberOr("floor_per_sr", options->floor, Range::Positive());
+  options->curiosity = node.NumberOr("curiosity", options->curiosity, Range::Positive());
+  options->borrowed = node.NumberOr("borrowed", options->borrowed, Range::Between(0, 1));
+}
+
+const std::map<std::string, PlannerKind> kKinds = {{"grid", PlannerKind::kGrid},
+                                                   {"random", PlannerKind::kRandom},
+                                                   {"information", PlannerKind::kInformation},
+                                                   {"nielsen", PlannerKind::kNielsen},
+                                                   {"pivoted-qr", PlannerKind::kPivotedQr},
+                                                   {"frost", PlannerKind::kFrost},
+                                                   {"slices", PlannerKind::kSlices},
+                                                   {"hierarchical", PlannerKind::kHierarchical}};
+
+PlannerKind ReadKind(const ConfigNode& root) {
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kKinds) names.push_back(name);
+  return kKinds.at(root.Choice("planner", names));
+}
+
+// Whether "no budget" would make no sense: the planner could go on for ever, or its directions
+// depend on how many there will be.
+bool NeedsBudget(PlannerKind kind) {
+  return kind == PlannerKind::kInformation || kind == PlannerKind::kPivotedQr ||
+         kind == PlannerKind::kFrost;
+}
+
+// The order of a plan whose poses are known beforehand.
+std::vector<int> ListedOrder(const Plan& plan, const std::vector<Candidate>& candidates,
+                             const PlannerInputs& inputs) {
+  if (plan.kind == PlannerKind::kRandom) {
+    return RandomOrder(candidates.size(), plan.max_poses, inputs.seed);
+  }
+  if (plan.kind == PlannerKind::kNielsen) {
+    std::vector<int> order = NielsenOrder(candidates);
+    const auto budget = static_cast<std::size_t>(plan.max_poses);
+    if (budget > 0 && order.size() > budget) order.resize(budget);
+    return order;
+  }
+  if (plan.kind == PlannerKind::kGrid) {
+    RasterOptions raster = plan.raster;
+    raster.max_poses = plan.max_poses;
+    return RasterOrder(candidates, plan.candidates, raster);
+  }
+  if (inputs.pca == nullptr) {
+    throw ConfigError("plan " + plan.name +
+                      ": its directions are computed from training materials, and none were given");
+  }
+  return plan.kind == PlannerKind::kFrost ? FrostOrder(candidates, *inputs.pca, plan.max_poses)
+                                          : PivotedOrder(candidates, *inputs.pca, plan.max_poses);
+}
+
+// Proposal::reason of a plan whose poses are known beforehand.
+const char* Label(PlannerKind kind) {
+  switch (kind) {
+    case PlannerKind::kGrid:
+      return "raster";
+    case PlannerKind::kRandom:
+      return "random";
+    case PlannerKind::kNielsen:
+      return "published direction";
+    case PlannerKind::kPivotedQr:
+      return "pivoted QR";
+    default:
+      return "FROST";
+  }
+}
+
 }  // namespace
 
 Prior OpenPrior(const std::string& name, const DsbrdfShape& shape) {
@@ -86,13 +162,9 @@ Plan ParsePlan(const std::string& text, const std::string& name) {
   root.Integer("version", 1, 1);
   plan.name = root.Text("name");
   plan.text = text;
-  const std::string kind = root.Choice("planner", {"grid", "random", "information"});
-  plan.kind = kind == "grid"     ? PlannerKind::kGrid
-              : kind == "random" ? PlannerKind::kRandom
-                                 : PlannerKind::kInformation;
-  plan.max_poses = plan.kind == PlannerKind::kInformation
-                       ? root.Integer("max_poses", 1, kMostPoses)
-                       : root.IntegerOr("max_poses", 0, 0, kMostPoses);
+  plan.kind = ReadKind(root);
+  plan.max_poses = NeedsBudget(plan.kind) ? root.Integer("max_poses", 1, kMostPoses)
+                                          : root.IntegerOr("max_poses", 0, 0, kMostPoses);
   plan.candidates = ReadCandidates(root);
   if (plan.kind == PlannerKind::kGrid && root.Has("grid")) {
     const ConfigNode node = root.Map("grid");
@@ -100,6 +172,7 @@ Plan ParsePlan(const std::string& text, const std::string& name) {
     plan.raster.every_theta_d = node.IntegerOr("every_theta_d", 1, 1, 1000);
   }
   if (plan.kind == PlannerKind::kInformation) ReadInformation(root, &plan.information);
+  if (plan.kind == PlannerKind::kSlices) ReadSlices(root, &plan.slices);
   ReadFit(root, &plan);
   root.RefuseUnknownKeys();
   return plan;
@@ -109,25 +182,14 @@ Plan LoadPlan(const std::filesystem::path& path) {
   return ParsePlan(ReadTextFile(path), path.string());
 }
 
-std::unique_ptr<Planner> MakePlanner(const Plan& plan, const Reachable& reachable,
-                                     std::uint64_t seed) {
-  std::vector<Candidate> candidates = MakeCandidates(plan.candidates, reachable);
+std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inputs) {
+  std::vector<Candidate> candidates = MakeCandidates(plan.candidates, inputs.reachable);
   if (candidates.empty()) {
     throw ConfigError("plan " + plan.name +
                       ": the rig cannot reach any of its poses: check the rig's axis limits, "
                       "geometry.max_polar_deg and geometry.min_separation_deg");
   }
   switch (plan.kind) {
-    case PlannerKind::kGrid: {
-      RasterOptions raster = plan.raster;
-      raster.max_poses = plan.max_poses;
-      std::vector<int> order = RasterOrder(candidates, plan.candidates, raster);
-      return std::make_unique<SequencePlanner>(std::move(candidates), std::move(order), "raster");
-    }
-    case PlannerKind::kRandom: {
-      std::vector<int> order = RandomOrder(candidates.size(), plan.max_poses, seed);
-      return std::make_unique<SequencePlanner>(std::move(candidates), std::move(order), "random");
-    }
     case PlannerKind::kInformation: {
       InformationOptions options = plan.information;
       options.max_poses = plan.max_poses;
@@ -135,8 +197,20 @@ std::unique_ptr<Planner> MakePlanner(const Plan& plan, const Reachable& reachabl
       options.fit = plan.fit;
       return std::make_unique<InformationPlanner>(std::move(candidates), std::move(options));
     }
+    case PlannerKind::kSlices: {
+      SliceRefinementOptions options = plan.slices;
+      options.max_poses = plan.max_poses;
+      return std::make_unique<SliceRefinementPlanner>(std::move(candidates), options);
+    }
+    case PlannerKind::kHierarchical:
+      return std::make_unique<HierarchicalPlanner>(
+          std::move(candidates), HierarchicalOptions{.max_poses = plan.max_poses}, inputs.travel);
+    default: {
+      std::vector<int> order = ListedOrder(plan, candidates, inputs);
+      return std::make_unique<SequencePlanner>(std::move(candidates), std::move(order),
+                                               Label(plan.kind));
+    }
   }
-  GONIO_CHECK(false, "every kind of planner is handled");
 }
 
 }  // namespace gonio

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -18,6 +19,10 @@ struct Proposal {
   double score = 0;    // what the planner maximised, in its own unit; larger is better
   std::string reason;  // one short phrase for the log: "opening", "information", "raster"
 };
+
+// Seconds from one pose to the next, all axes moving together, settling included; both poses within
+// reach. A pure function of its arguments, injected because a planner knows no rig.
+using TravelTime = std::function<double(const DirectionPair& from, const DirectionPair& to)>;
 
 // A planner is a plain conversation, with no clock, no device and no file:
 //

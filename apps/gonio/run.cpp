@@ -47,8 +47,9 @@ Setup Prepare(const RunOptions& options) {
   setup.material_path =
       LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);
   setup.material = OpenAny(setup.material_path);
-  setup.planner =
-      MakePlanner(setup.plan, MeasurablePoses(setup.rig.config, *setup.material), options.seed);
+  setup.planner = MakePlanner(
+      setup.plan,
+      {.reachable = MeasurablePoses(setup.rig.config, *setup.material), .seed = options.seed});
   return setup;
 }
 

@@ -46,8 +46,8 @@ struct Outcome {
 
 Outcome RunOne(const SimulateOptions& options, const RigFile& rig_file, const NamedPlan& plan,
                const Brdf& material, std::uint64_t seed, const Interrupt& interrupt) {
-  const std::unique_ptr<Planner> planner =
-      MakePlanner(plan.plan, MeasurablePoses(rig_file.config, material), seed);
+  const std::unique_ptr<Planner> planner = MakePlanner(
+      plan.plan, {.reachable = MeasurablePoses(rig_file.config, material), .seed = seed});
   OpenedRig rig = OpenRig(rig_file, material, seed);
   const bool quiet = options.quiet || options.json == "-";
   ProgressLine line(fmt::format("{} on {}, seed {}", plan.name, material.name(), seed), quiet);
