@@ -30,8 +30,10 @@ std::optional<double> WithinLimits(double position, const AxisLimits& limits) {
   return std::clamp(position, limits.min_position, limits.max_position);
 }
 
-double MoveTime(double distance, const AxisLimits& limits) {
-  return TrapezoidTime(std::abs(distance), limits.max_speed, limits.acceleration).count();
+// Of a move that is made, however short: what an axis may be off by is no way to plan.
+Seconds TimeOfMove(double way, const AxisLimits& limits) {
+  if (way <= 0) return Seconds(0);
+  return TrapezoidTime(way, limits.max_speed, limits.acceleration) + limits.move_overhead;
 }
 
 // Where between `a_home` and `b_home` two axes that must stay a fixed angle apart arrive at the
@@ -42,7 +44,9 @@ double Balance(double a_home, const AxisLimits& a, double b_home, const AxisLimi
   for (int i = 0; i < 50; ++i) {
     const double middle = (near + far) / 2;
     const double way = b_home - a_home;
-    (MoveTime(middle * way, a) < MoveTime((1 - middle) * way, b) ? near : far) = middle;
+    const bool sooner =
+        TimeOfMove(std::abs(middle * way), a) < TimeOfMove(std::abs((1 - middle) * way), b);
+    (sooner ? near : far) = middle;
   }
   return a_home + near * (b_home - a_home);
 }
@@ -75,6 +79,14 @@ Seconds TrapezoidTime(double distance, double max_speed, double acceleration) {
     return Seconds(2 * std::sqrt(distance / acceleration));
   }
   return Seconds(distance / max_speed + max_speed / acceleration);
+}
+
+bool Stays(double distance, const AxisLimits& limits) {
+  return limits.move_overhead > Seconds(0) && std::abs(distance) <= limits.position_tolerance;
+}
+
+Seconds MoveTime(double distance, const AxisLimits& limits) {
+  return Stays(distance, limits) ? Seconds(0) : TimeOfMove(std::abs(distance), limits);
 }
 
 Kinematics::Kinematics(const RigConfig& rig) : limits_(rig.axes), geometry_(rig.geometry) {}
@@ -131,8 +143,7 @@ bool Kinematics::Reachable(const DirectionPair& pair) const {
 Seconds Kinematics::TravelTime(const ArmAngles& from, const ArmAngles& to) const {
   Seconds longest{0};
   for (int i = 0; i < kAxes; ++i) {
-    longest = std::max(longest, TrapezoidTime(std::abs(to[i] - from[i]), limits_[i].max_speed,
-                                              limits_[i].acceleration));
+    longest = std::max(longest, MoveTime(to[i] - from[i], limits_[i]));
   }
   return longest;
 }

@@ -28,8 +28,8 @@ class Kinematics {
   // Whether Inverse() would find a solution, from anywhere.
   bool Reachable(const DirectionPair& pair) const;
 
-  // Time for all axes to get from one position to another, moving together (trapezoidal profiles;
-  // the slowest axis decides). Without settling.
+  // Time for all axes to get from one position to another, moving together; the slowest axis
+  // decides. Without settling.
   Seconds TravelTime(const ArmAngles& from, const ArmAngles& to) const;
 
  private:
@@ -41,5 +41,13 @@ class Kinematics {
 
 // Duration of a trapezoidal (or triangular) move over `distance` [rad] >= 0.
 Seconds TrapezoidTime(double distance, double max_speed, double acceleration);
+
+// Whether an axis this far [rad] from its target is left where it is: a move of which every one
+// costs is not made for less than the tolerance. Samples carry the encoders' readings anyway.
+bool Stays(double distance, const AxisLimits& limits);
+
+// Duration of one axis' move over `distance` [rad] of either sign: trapezoidal, plus what every
+// move of this axis costs; zero for one that stays.
+Seconds MoveTime(double distance, const AxisLimits& limits);
 
 }  // namespace gonio

@@ -15,8 +15,7 @@ namespace {
 
 // How long a move may take: half as long again as it should, and two seconds for the controller.
 Seconds TimeLimit(const AxisLimits& limits, double distance) {
-  return 1.5 * TrapezoidTime(std::abs(distance), limits.max_speed, limits.acceleration) +
-         Seconds(2);
+  return 1.5 * MoveTime(distance, limits) + Seconds(2);
 }
 
 // Starts `axes` together and waits for each. An axis that ran out of time counts as arrived: the
@@ -41,6 +40,9 @@ Result<Arrival> MoveWithRetries(const RigConfig& rig, Devices& devices, Clock& c
   auto position = ReadPositions(devices);
   for (int attempt = 0;; ++attempt) {
     if (!position) return position.error();
+    if (attempt == 0) {
+      std::erase_if(missed, [&](int i) { return Stays((*position)[i] - target[i], rig.axes[i]); });
+    }
     if (auto moved = MoveOnce(rig, devices, missed, *position, target, stop); !moved) {
       return moved.error();
     }

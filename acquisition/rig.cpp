@@ -23,6 +23,7 @@ AxisLimits ReadAxis(const ConfigNode& node, Range allowed) {
   limits.max_speed = RadFromDeg(node.Number("max_speed_deg_s", Range::Positive()));
   limits.acceleration = RadFromDeg(node.Number("acceleration_deg_s2", Range::Positive()));
   limits.position_tolerance = RadFromDeg(node.Number("tolerance_deg", Range::Positive()));
+  limits.move_overhead = Seconds(node.NumberOr("move_overhead_s", 0, Range::NonNegative()));
   return limits;
 }
 
@@ -109,7 +110,10 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   rig.camera = ReadCamera(root.Map("camera"));
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));
-  rig.dense_brackets = root.Map("time").IntegerOr("dense_brackets", rig.dense_brackets, 1, 100);
+  const ConfigNode time = root.Map("time");
+  rig.dense_brackets = time.IntegerOr("dense_brackets", rig.dense_brackets, 1, 100);
+  rig.dense_exposure =
+      Seconds(time.NumberOr("dense_exposure_s", rig.dense_exposure.count(), Range::Positive()));
   return rig;
 }
 

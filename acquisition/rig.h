@@ -67,8 +67,9 @@ struct RigConfig {
   MotionConfig motion;
   ExposureConfig exposure;
   RadiometryConfig radiometry;
-  double light_level = 1;  // 0 .. 1
-  int dense_brackets = 3;  // frames per pose a dense scan would take, for time estimates
+  double light_level = 1;       // 0 .. 1
+  int dense_brackets = 3;       // frames per pose a dense scan would take, for time estimates
+  Seconds dense_exposure{0.3};  // of each of them, on average
   CameraInfo camera;
 };
 

@@ -39,7 +39,7 @@ TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> p
 
 Seconds NominalExposing(const RigConfig& rig) {
   const Seconds exposure =
-      std::clamp(Seconds(0.3), rig.camera.min_exposure, rig.camera.max_exposure);
+      std::clamp(rig.dense_exposure, rig.camera.min_exposure, rig.camera.max_exposure);
   return rig.dense_brackets * (exposure + rig.camera.readout);
 }
 

@@ -28,8 +28,8 @@ struct TimeEstimate {
 TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> poses,
                           Seconds exposing_per_pose);
 
-// rig.dense_brackets frames of 0.3 s, the lab stage preset of the published rigs, clamped to what
-// the camera can do.
+// rig.dense_brackets frames of rig.dense_exposure (0.3 s by default, the lab stage preset of the
+// published rigs), clamped to what the camera can do.
 Seconds NominalExposing(const RigConfig& rig);
 
 // The dense reference, as configs/plan-grid.yaml scans it: every reachable pose of the 90 x 90 MERL

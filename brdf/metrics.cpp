@@ -106,14 +106,16 @@ std::optional<Pair> Look(const CellSource& reference, const CellSource& other, i
   return Pair{*f, g->isFinite().select(*g, *f), g->isFinite().cast<double>()};
 }
 
-// Calls cell(d, cos_i, cos_o, p) for each physical cell of a row.
+// Calls cell(d, p, cos_i, cos_o) for each physical cell of a row that the strides do not skip.
+// Each row skips other theta_d: every theta_h counts, and no stripes can beat with the material's.
 template <typename Cell>
-void ForEachCell(int h, const Cosine& cos_phi, int phi_stride, const Cell& cell) {
-  for (int d = 0; d < MerlTable::kThetaD; ++d) {
+void ForEachCell(int h, const Cosine& cos_phi, const MetricOptions& options, const Cell& cell) {
+  const int stride = options.theta_d_stride;
+  for (int d = h % stride; d < MerlTable::kThetaD; d += stride) {
     const HalfDiff row = MerlTable::CellCentre(h, d, 0);
     const double along = std::cos(row.theta_d) * std::cos(row.theta_h);
     const double across = std::sin(row.theta_d) * std::sin(row.theta_h);
-    for (int p = 0; p < MerlTable::kPhiD; p += phi_stride) {
+    for (int p = 0; p < MerlTable::kPhiD; p += options.phi_stride) {
       const double cos_i = along - across * cos_phi[p];
       const double cos_o = along + across * cos_phi[p];
       if (cos_i > 0 && cos_o > 0) cell(d, p, cos_i, cos_o);
@@ -126,7 +128,7 @@ Sums CompareRow(int h, const CellSource& reference, const CellSource& other, con
   Sums sums;
   const double weight = MerlTable::ThetaHWidth(h);
   const double min_cosine = std::cos(options.max_theta);
-  ForEachCell(h, cos_phi, options.phi_stride, [&](int d, int p, double cos_i, double cos_o) {
+  ForEachCell(h, cos_phi, options, [&](int d, int p, double cos_i, double cos_o) {
     const bool counts = cos_i > min_cosine && cos_o > min_cosine;
     bool missing = false;
     const std::optional<Pair> pair = Look(reference, other, h, d, p, &missing);
@@ -193,6 +195,10 @@ void MetricOptions::Check() const {
     throw ConfigError(
         fmt::format("phi_stride: is {}, must be between 1 and {}", phi_stride, MerlTable::kPhiD));
   }
+  if (theta_d_stride < 1 || theta_d_stride > MerlTable::kThetaD) {
+    throw ConfigError(fmt::format("theta_d_stride: is {}, must be between 1 and {}", theta_d_stride,
+                                  MerlTable::kThetaD));
+  }
   if (threads < 1) throw ConfigError(fmt::format("threads: is {}, must be >= 1", threads));
 }
 
@@ -210,7 +216,7 @@ std::vector<double> ErrorMap(const Brdf& reference, const Brdf& other, int chann
   std::vector<double> sums(std::size_t{MerlTable::kThetaH} * MerlTable::kThetaD, 0.0);
   std::vector<int> counts(sums.size(), 0);
   for (int h = 0; h < MerlTable::kThetaH; ++h) {
-    ForEachCell(h, cos_phi, options.phi_stride, [&](int d, int p, double cos_i, double cos_o) {
+    ForEachCell(h, cos_phi, options, [&](int d, int p, double cos_i, double cos_o) {
       bool missing = false;
       if (!(cos_i > min_cosine && cos_o > min_cosine)) return;
       const std::optional<Pair> pair = Look(f, g, h, d, p, &missing);

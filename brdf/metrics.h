@@ -15,7 +15,10 @@ struct MetricOptions {
   // beyond 80 deg tables are extrapolated.
   double max_theta = RadFromDeg(80);
   int phi_stride = 1;  // look at every n-th phi_d cell only, 1 .. 180; studies take 4
-  int threads = 1;     // >= 1. The result is the same to the last bit for any number
+  // The same for theta_d, 1 .. 90, beginning with another one in each row of theta_h; studies of
+  // very many fits take 4 and a phi_stride of 12.
+  int theta_d_stride = 1;
+  int threads = 1;  // >= 1. The result is the same to the last bit for any number
 
   // Throws ConfigError naming the option.
   void Check() const;

@@ -1,3 +1,31 @@
+option(GONIO_PRECOMPILE "Precompile the headers that nearly every file needs; OFF shows missing includes" ON)
+
+# gonio_precompile(TARGET HEADERS_TARGET)
+#   Lets TARGET use the headers precompiled once, with the same flags, for HEADERS_TARGET.
+function(gonio_precompile target headers)
+  if(NOT GONIO_PRECOMPILE)
+    return()
+  endif()
+  target_precompile_headers(${target} REUSE_FROM ${headers})
+  # Without it ccache would not recognise what a file with precompiled headers depends on.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE -fpch-preprocess)
+  endif()
+endfunction()
+
+# gonio_headers(TARGET HEADERS ... LINK ...)
+#   Precompiles headers for others to reuse.
+function(gonio_headers target)
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "" "HEADERS;LINK")
+  if(NOT GONIO_PRECOMPILE)
+    return()
+  endif()
+  file(CONFIGURE OUTPUT ${target}.cpp CONTENT "// Only the headers precompiled for it matter.\n")
+  add_library(${target} OBJECT ${CMAKE_CURRENT_BINARY_DIR}/${target}.cpp)
+  target_link_libraries(${target} PRIVATE ${arg_LINK} gonio::options)
+  target_precompile_headers(${target} PRIVATE ${arg_HEADERS})
+endfunction()
+
 # gonio_module(NAME SOURCES ... PUBLIC ... PRIVATE ...)
 #   Defines gonio::NAME from the sources of the current folder. What a header of this module
 #   includes goes in PUBLIC; what only its .cpp files need, in PRIVATE.
@@ -7,6 +35,10 @@ function(gonio_module name)
   add_library(gonio::${name} ALIAS gonio_${name})
   target_include_directories(gonio_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(gonio_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} gonio::options)
+  # The headers precompiled are those of modules that know both Eigen and fmt: all but core.
+  if("fmt::fmt" IN_LIST arg_PRIVATE AND NOT name STREQUAL "core")
+    gonio_precompile(gonio_${name} gonio_headers)
+  endif()
 endfunction()
 
 # gonio_test(NAME LABEL label SOURCES ... LINK ...)
@@ -19,6 +51,7 @@ function(gonio_test name)
   target_link_libraries(${name}_test PRIVATE ${arg_LINK} GTest::gmock_main gonio::options)
   target_compile_definitions(${name}_test PRIVATE
     GONIO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+  gonio_precompile(${name}_test gonio_test_headers)
   if(NOT TARGET tests_${arg_LABEL})
     add_custom_target(tests_${arg_LABEL})
   endif()

@@ -20,6 +20,8 @@ struct AxisLimits {
   double max_speed = 0;           // rad/s, > 0
   double acceleration = 0;        // rad/s^2, > 0
   double position_tolerance = 0;  // rad, > 0: a move that ends within this has arrived
+  // Taken by every move on top, however short: fly-back, a clutch, the settling of a heavy stage.
+  Seconds move_overhead{0};
 };
 
 // What the controller reported about itself at one instant.

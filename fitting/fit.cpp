@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "core/error.h"
+#include "fitting/generalised_log.h"
 #include "fitting/levenberg_marquardt.h"
 #include "fitting/posterior.h"
 #include "fitting/slice.h"

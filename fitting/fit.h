@@ -11,6 +11,7 @@
 
 #include "brdf/brdf.h"
 #include "fitting/dsbrdf.h"
+#include "fitting/estimate.h"
 #include "fitting/prior.h"
 
 namespace gonio {
@@ -40,11 +41,6 @@ struct FitSummary {
   double cost = 0;         // negative log posterior up to a constant
   double model_error = 0;  // estimated standard deviation of log f_r beyond the samples' sigma
   double floor = 0;        // of the generalised log, 1/sr
-};
-
-struct Prediction {
-  Rgb f_r = Rgb::Zero();    // 1/sr
-  Rgb sigma = Rgb::Zero();  // standard deviation of f_r, 1/sr
 };
 
 // A fit is a reflectance that also knows how sure it is.

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "fitting/generalised_log.h"
 #include "fitting/slice.h"
 
 namespace gonio {
@@ -43,14 +44,6 @@ void Spread(const DsbrdfShape& shape, int channel, const SplineBasis& basis,
 }
 
 }  // namespace
-
-double GeneralisedLog(double f_r, double floor) {
-  return std::asinh(f_r / (2 * floor)) + std::log(floor);
-}
-
-double GeneralisedLogSlope(double f_r, double floor) {
-  return 1 / std::sqrt(f_r * f_r + 4 * floor * floor);
-}
 
 Posterior::Posterior(std::span<const BrdfSample> samples, const Prior& prior,
                      const PosteriorOptions& options)

@@ -12,16 +12,6 @@
 
 namespace gonio {
 
-// The generalised logarithm, log of f with a floor:
-//
-//   glog(f) = asinh(f / (2 floor)) + log(floor)  ->  log f  for f >> floor
-//
-// It is smooth through zero, so that dark and negative readings stay data, and it makes the
-// variance of noise with an additive and a multiplicative part constant (Durbin et al.,
-// Bioinformatics 18, 2002; Huber et al., ibid.). Its derivative is 1 / sqrt(f^2 + 4 floor^2).
-double GeneralisedLog(double f_r, double floor);
-double GeneralisedLogSlope(double f_r, double floor);
-
 struct PosteriorOptions {
   double floor = 0.01;        // 1/sr, > 0: below this, absolute errors count, not relative ones
   double huber = 2.0;         // normalised residuals beyond this count linearly; > 0

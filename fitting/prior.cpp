@@ -11,6 +11,7 @@
 #include "core/file.h"
 #include "core/units.h"
 #include "fitting/parameter_file.h"
+#include "fitting/process_file.h"
 #include "fitting/spline.h"
 
 namespace gonio {
@@ -83,7 +84,12 @@ Eigen::MatrixXd CourseCovariance(const Belief& belief, int knots, bool same_chan
 
 Prior GenericPrior(const DsbrdfShape& shape) {
   CheckShape(shape);
-  Prior prior{.name = "generic", .shape = shape, .mean = {}, .covariance = {}, .materials = {}};
+  Prior prior{.name = "generic",
+              .shape = shape,
+              .mean = {},
+              .covariance = {},
+              .materials = {},
+              .process = nullptr};
   prior.mean.resize(shape.size());
   prior.covariance.setZero(shape.size(), shape.size());
   for (int k = 0; k < shape.lobes; ++k) {
@@ -114,6 +120,7 @@ Prior ReadPrior(const std::filesystem::path& path) {
   const auto size = static_cast<std::size_t>(prior.shape.size());
   const std::vector<double> mean = root.Numbers("mean", size);
   const std::vector<double> triangle = root.Numbers("covariance_lower", size * (size + 1) / 2);
+  if (root.Has("process")) prior.process = ReadProcess(root.Map("process"));
   root.RefuseUnknownKeys();
   prior.mean = Eigen::Map<const Eigen::VectorXd>(mean.data(), prior.shape.size());
   prior.covariance = SymmetricFromLower(triangle, prior.shape.size());
@@ -132,6 +139,7 @@ void WritePrior(const std::filesystem::path& path, const Prior& prior) {
         Quoted(prior.name), prior.shape.lobes, prior.shape.knots, fmt::join(materials, ", "));
     WriteNumbers(out, "mean", prior.mean);
     WriteNumbers(out, "covariance_lower", LowerOf(prior.covariance));
+    if (prior.process) WriteProcess(out, *prior.process);
   });
 }
 

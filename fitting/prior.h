@@ -5,10 +5,12 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "fitting/dsbrdf.h"
+#include "fitting/process_prior.h"
 
 namespace gonio {
 
@@ -22,6 +24,8 @@ struct Prior {
   // Names of the materials it was learned from; empty for the generic one. A study refuses to score
   // a material against a prior that lists it.
   std::vector<std::string> materials;
+  // What the materials' whole reflectance was learned to do; null where nothing was learned.
+  std::shared_ptr<const ProcessPrior> process;
 };
 
 // The built-in prior: no material was used to make it; its assumptions stand in docs/fitting.md.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// Uniform cubic B-splines over theta_d.
+// Uniform cubic B-splines.
 
 #pragma once
 
@@ -7,16 +7,19 @@
 
 namespace gonio {
 
-// The four spline coefficients that matter at one theta_d, and their weights:
-// s(theta_d) = sum_j weight[j] * coefficient[first + j]. Weights are >= 0 and sum to 1.
+// The four spline coefficients that matter at one place, and their weights:
+// s = sum_j weight[j] * coefficient[first + j]. Weights are >= 0 and sum to 1.
 struct SplineBasis {
   int first = 0;
   std::array<double, 4> weight{};
 };
 
-// Cubic B-spline basis with `knots` >= 4 coefficients on uniform knots over [0, pi/2], twice
-// continuously differentiable (C. de Boor, "A Practical Guide to Splines", 1978). theta_d outside
-// is clamped.
+// Cubic B-spline basis with `knots` >= 4 coefficients on uniform knots over [0, 1], twice
+// continuously differentiable (C. de Boor, "A Practical Guide to Splines", 1978). x outside is
+// clamped.
+SplineBasis UnitBasisAt(double x, int knots);
+
+// The same over theta_d in [0, pi/2].
 SplineBasis BasisAt(double theta_d, int knots);
 
 // Where coefficient j pulls most: the theta_d of its basis function's peak [rad]. May lie outside

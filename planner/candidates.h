@@ -34,6 +34,7 @@ struct CandidateOptions {
   int theta_d_count = 90;    // columns, 1 .. 1000
   bool merl_spacing = true;  // rows dense towards theta_h = 0, as in a MERL table; else uniform
   PhiChoice phi = PhiChoice::kSpread;
+  int phi_choices = 1;  // 1 .. 12: so many phi_d for each cell, evenly over phi_span (kSpread)
   double phi_span = 1.5707963;   // rad (90 deg), 0 .. pi: width of the range around 90 deg that
                                  // kSpread uses
   double max_polar = 1.4137167;  // rad (81 deg): spread phi_d keeps both directions within this
@@ -44,5 +45,9 @@ using Reachable = std::function<bool(const DirectionPair&)>;
 // The raster of theta_h x theta_d cell centres, in raster order (row by row), without the poses
 // below the horizon and those `reachable` refuses (an empty function refuses none).
 std::vector<Candidate> MakeCandidates(const CandidateOptions& options, const Reachable& reachable);
+
+// Index of the candidate nearest to (theta_h, theta_d) [rad] on the unit square of
+// (sqrt(theta_h / 90 deg), theta_d / 90 deg); -1 if none.
+int NearestCandidate(const std::vector<Candidate>& candidates, double theta_h, double theta_d);
 
 }  // namespace gonio

@@ -19,7 +19,7 @@ struct Axis {
   int first = 0;
 
   explicit Axis(int count) {
-    while (step * 4 <= count) step *= 2;
+    while (step * 4 < count) step *= 2;
     first = step / 2;
   }
   bool Holds(int index) const { return index % step == first % step; }

@@ -7,7 +7,7 @@
 
 #include "core/check.h"
 #include "core/units.h"
-#include "fitting/posterior.h"
+#include "fitting/generalised_log.h"
 #include "fitting/slice.h"
 
 namespace gonio {
@@ -211,19 +211,6 @@ GainScores InformationGain::Evaluate(const DsbrdfFit& fit, const std::vector<int
     }
   }
   return scores;
-}
-
-int NearestCandidate(const std::vector<Candidate>& candidates, double theta_h, double theta_d) {
-  int nearest = -1;
-  double least = 0;
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const double distance = SquaredDistance(candidates[i].angles, {theta_h, theta_d, 0});
-    if (nearest < 0 || distance < least) {
-      nearest = static_cast<int>(i);
-      least = distance;
-    }
-  }
-  return nearest;
 }
 
 }  // namespace gonio

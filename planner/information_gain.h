@@ -80,7 +80,4 @@ class InformationGain {
   std::vector<Target> targets_;
 };
 
-// Index of the candidate nearest to (theta_h, theta_d) [rad] on the unit square above; -1 if none.
-int NearestCandidate(const std::vector<Candidate>& candidates, double theta_h, double theta_d);
-
 }  // namespace gonio

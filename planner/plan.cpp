@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "planner/plan.h"
 
+#include <algorithm>
 #include <map>
 #include <vector>
 
@@ -10,11 +11,14 @@
 #include "core/units.h"
 #include "planner/direction_lists.h"
 #include "planner/hierarchical_planner.h"
+#include "planner/process_planner.h"
 
 namespace gonio {
 namespace {
 
 constexpr int kMostPoses = 1000000;
+constexpr int kProcessPhis = 4;
+constexpr double kProcessPhiSpan = RadFromDeg(170);
 
 CandidateOptions ReadCandidates(const ConfigNode& root) {
   CandidateOptions options;
@@ -134,6 +138,23 @@ std::vector<int> ListedOrder(const Plan& plan, const std::vector<Candidate>& can
                                           : PivotedOrder(candidates, *inputs.pca, plan.max_poses);
 }
 
+// Where a process was learned it plans: it sees all three angles, so cells get several phi_d.
+std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInputs& inputs) {
+  CandidateOptions candidates = plan.candidates;
+  candidates.phi_choices = kProcessPhis;
+  candidates.phi_span = std::max(candidates.phi_span, kProcessPhiSpan);
+  ProcessPlannerOptions options;
+  options.max_poses = plan.max_poses;
+  options.target_error = plan.information.target_error;
+  options.min_gain = plan.information.min_gain;
+  options.gain.objective = plan.information.gain.objective;
+  options.gain.max_polar = plan.information.gain.max_polar;
+  options.gain.relative_noise = plan.information.gain.relative_noise;
+  options.prior = plan.prior.process;
+  return std::make_unique<ProcessPlanner>(MakeCandidates(candidates, inputs.reachable), options,
+                                          inputs.costs);
+}
+
 // Proposal::reason of a plan whose poses are known beforehand.
 const char* Label(PlannerKind kind) {
   switch (kind) {
@@ -191,6 +212,7 @@ std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inpu
   }
   switch (plan.kind) {
     case PlannerKind::kInformation: {
+      if (plan.prior.process) return MakeProcessPlanner(plan, inputs);
       InformationOptions options = plan.information;
       options.max_poses = plan.max_poses;
       options.prior = plan.prior;
@@ -203,8 +225,9 @@ std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inpu
       return std::make_unique<SliceRefinementPlanner>(std::move(candidates), options);
     }
     case PlannerKind::kHierarchical:
-      return std::make_unique<HierarchicalPlanner>(
-          std::move(candidates), HierarchicalOptions{.max_poses = plan.max_poses}, inputs.travel);
+      return std::make_unique<HierarchicalPlanner>(std::move(candidates),
+                                                   HierarchicalOptions{.max_poses = plan.max_poses},
+                                                   inputs.costs.travel);
     default: {
       std::vector<int> order = ListedOrder(plan, candidates, inputs);
       return std::make_unique<SequencePlanner>(std::move(candidates), std::move(order),

@@ -55,7 +55,7 @@ Prior OpenPrior(const std::string& name, const DsbrdfShape& shape);
 // What a planner needs and a plan file cannot hold.
 struct PlannerInputs {
   Reachable reachable = {};  // if empty, every candidate above the horizon is
-  TravelTime travel = {};    // kHierarchical; if empty, the angle moved stands for it
+  SessionCosts costs = {};   // kInformation with a learned process; kHierarchical: travel only
   std::shared_ptr<const PcaBasis> pca = nullptr;  // kPivotedQr, kFrost: required
   std::uint64_t seed = 0;                         // kRandom
 };

@@ -9,7 +9,6 @@
 
 #include "core/check.h"
 #include "core/units.h"
-#include "planner/information_gain.h"
 
 namespace gonio {
 namespace {

@@ -32,8 +32,9 @@ struct Profile {
 
 }  // namespace
 
-SimMotor::SimMotor(double position, double max_speed, double acceleration, const Clock& clock)
-    : max_speed_(max_speed), acceleration_(acceleration), clock_(clock) {
+SimMotor::SimMotor(double position, double max_speed, double acceleration, const Clock& clock,
+                   Seconds overhead)
+    : max_speed_(max_speed), acceleration_(acceleration), overhead_(overhead), clock_(clock) {
   move_.from = move_.to = position;
 }
 
@@ -44,8 +45,9 @@ void SimMotor::Start(double target, double speed_fraction) {
   next.from = PositionAtLocked(next.start);
   next.to = target;
   next.speed = max_speed_ * speed_fraction;
-  next.duration =
-      Seconds(Profile(std::abs(target - next.from), next.speed, acceleration_).duration());
+  const double distance = std::abs(target - next.from);
+  next.duration = Seconds(Profile(distance, next.speed, acceleration_).duration());
+  if (distance > 0) next.duration += overhead_;
   move_ = next;
 }
 

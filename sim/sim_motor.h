@@ -15,8 +15,10 @@ namespace gonio {
 // Simplified: Stop() brakes at once, and a move started during another one starts from rest.
 class SimMotor {
  public:
-  // Rests at `position` [rad]; speed in rad/s, acceleration in rad/s^2.
-  SimMotor(double position, double max_speed, double acceleration, const Clock& clock);
+  // Rests at `position` [rad]; speed in rad/s, acceleration in rad/s^2. Every move, however short,
+  // ends `overhead` after it has covered its distance.
+  SimMotor(double position, double max_speed, double acceleration, const Clock& clock,
+           Seconds overhead = Seconds(0));
 
   // Starts for `target` [rad] at this fraction of the full speed.
   void Start(double target, double speed_fraction = 1);
@@ -43,6 +45,7 @@ class SimMotor {
 
   const double max_speed_;
   const double acceleration_;
+  const Seconds overhead_;
   const Clock& clock_;
   mutable std::mutex mutex_;
   Move move_;

@@ -21,8 +21,9 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
   for (int i = 0; i < 4; ++i) {
     const AxisLimits& limits = setup.axes[i];
     const double range = limits.max_position - limits.min_position;
-    devices.motors[i] = std::make_shared<SimMotor>(limits.min_position + start.Uniform() * range,
-                                                   limits.max_speed, limits.acceleration, clock);
+    devices.motors[i] =
+        std::make_shared<SimMotor>(limits.min_position + start.Uniform() * range, limits.max_speed,
+                                   limits.acceleration, clock, limits.move_overhead);
     SimAxisOptions options;
     options.encoder_resolution = truth.encoder_resolution;
     options.repeatability = truth.repeatability;

@@ -88,7 +88,8 @@ Action SetUpCompare(CLI::App& app) {
 
 Action SetUpStudy(CLI::App& app) {
   auto o = std::make_shared<StudyOptions>();
-  app.add_option("study", o->study, "Study file, e.g. study-thinning.yaml")->required();
+  app.add_option("study", o->study, "Study file, e.g. study-thinning.yaml, study-frontier.yaml")
+      ->required();
   app.add_option("--materials", o->materials,
                  "Folders in which the study's materials are (default: the study file's own)");
   app.add_option("--out", o->out, "Folder for the results; a study begun there is continued")
@@ -173,6 +174,17 @@ Action SetUpReport(CLI::App& app) {
   return [o] { return ReportCommand(*o); };
 }
 
+Action SetUpPrior(CLI::App& app) {
+  auto o = std::make_shared<PriorLearnOptions>();
+  app.require_subcommand(1);
+  CLI::App* learn = app.add_subcommand(
+      "learn", "What materials have in common, to measure others of their kind with fewer poses");
+  learn->add_option("materials", o->materials, "Materials: .binary, .bsdf, .yaml or sessions")
+      ->required();
+  learn->add_option("--out", o->out, "Prior file to write, for --prior")->required();
+  return [o] { return PriorLearnCommand(*o); };
+}
+
 struct Command {
   const char* name;
   const char* help;
@@ -184,8 +196,10 @@ constexpr Command kCommands[] = {
     {"fit", "Fit a table, samples or a session again", SetUpFit},
     {"export", "Write a session, fit or material in other people's formats", SetUpExport},
     {"compare", "How far one reflectance is from another", SetUpCompare},
+    {"prior", "Learn a prior from materials that were measured densely", SetUpPrior},
     {"simulate", "What plans would cost and bring on a rig; keeps no session", SetUpSimulate},
-    {"study", "Fit many materials in many ways and thinnings; continues where it stopped",
+    {"study",
+     "Fit many materials in many ways, or let planners compete; continues where it stopped",
      SetUpStudy},
     {"plot", "Draw a fit's slices, its errors, or a study (needs gnuplot)", SetUpPlot},
     {"render", "Render spheres of reflectances", SetUpRender},

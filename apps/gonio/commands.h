@@ -108,6 +108,12 @@ struct SimulateOptions {
 };
 int SimulateCommand(const SimulateOptions& options);
 
+struct PriorLearnOptions {
+  std::vector<std::string> materials;  // .binary, .bsdf, material .yaml, fits, sessions
+  std::filesystem::path out;
+};
+int PriorLearnCommand(const PriorLearnOptions& options);
+
 struct ReportOptions {
   std::filesystem::path session;
   std::filesystem::path out;  // empty: report.html in the session

@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 
 #include "acquisition/sha256.h"
 #include "brdf/open.h"
 #include "core/config.h"
 #include "core/error.h"
+#include "fitting/process_file.h"
+#include "fitting/process_fit.h"
 #include "fitting/table_fit.h"
 #include "planner/plan.h"
 
@@ -35,7 +38,8 @@ bool IsFitFile(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<Brdf> OpenAny(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path) || IsFitFile(path)) return OpenFit(path);
+  if (std::filesystem::is_directory(path)) return EstimateOfSession(path);
+  if (IsFitFile(path)) return OpenFit(path);
   return OpenBrdf(path);
 }
 
@@ -43,6 +47,15 @@ std::unique_ptr<LobeModel> OpenFit(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path)) return std::make_unique<DsbrdfFit>(FitOfSession(path));
   if (IsFitFile(path)) return ReadAnyFit(path);
   throw ConfigError(path.string() + ": is neither a fit file nor a session directory");
+}
+
+std::unique_ptr<Brdf> EstimateOfSession(const std::filesystem::path& dir) {
+  const SessionRecord session = ReadSession(dir);
+  if (!session.poses.empty()) {
+    const Prior prior = PriorOfSession(session.info);
+    if (prior.process) return FitProcess(session.Samples(), prior);
+  }
+  return OpenFit(dir);
 }
 
 DsbrdfFit FitOfSession(const std::filesystem::path& dir) {
@@ -69,6 +82,11 @@ std::string HashOf(const Prior& prior) {
   std::string text = fmt::format("{} {}", prior.shape.lobes, prior.shape.knots);
   for (const double number : prior.mean) text += fmt::format(" {:.9e}", number);
   for (const double number : prior.covariance.reshaped()) text += fmt::format(" {:.9e}", number);
+  if (prior.process) {
+    std::ostringstream process;
+    WriteProcess(process, *prior.process);
+    text += process.str();
+  }
   return Sha256(text);
 }
 

@@ -15,8 +15,8 @@
 
 namespace gonio {
 
-// A MERL .binary, a material .yaml, a fit .yaml (it has a `format` key) or a session directory (its
-// fit). Throws ConfigError "PATH: ...".
+// A MERL .binary, a material .yaml, a fit .yaml (it has a `format` key) or a session directory
+// (EstimateOfSession()). Throws ConfigError "PATH: ...".
 std::unique_ptr<Brdf> OpenAny(const std::filesystem::path& path);
 
 // The fitted model in a fit file, or of a session (its fit). Throws ConfigError "PATH: ...", also
@@ -30,6 +30,10 @@ bool IsFitFile(const std::filesystem::path& path);
 // have. Throws ConfigError if there are none.
 inline constexpr const char* kFitFile = "fit.yaml";
 DsbrdfFit FitOfSession(const std::filesystem::path& dir);
+
+// The best a session's samples say: of its process where it was run with a learned prior, else its
+// fit. Throws ConfigError if there are none.
+std::unique_ptr<Brdf> EstimateOfSession(const std::filesystem::path& dir);
 
 // The prior the session was run with. Throws ConfigError if it has changed or moved since.
 Prior PriorOfSession(const SessionInfo& info);

@@ -18,6 +18,7 @@
 #include "apps/gonio/summary.h"
 #include "core/error.h"
 #include "fitting/fit.h"
+#include "fitting/process_fit.h"
 #include "planner/plan.h"
 
 namespace gonio {
@@ -113,6 +114,11 @@ void FitAndPrint(const SessionSummary& summary, const Setup& setup, const fs::pa
     WriteFit(out / kFitFile, fit);
     PrintFit(fit, setup.plan.prior);
     PrintMale(*setup.material, fit, "the material's file");
+    if (setup.plan.prior.process) {
+      fmt::print("with what DSBRDF cannot say (the process of prior {}):\n", setup.plan.prior.name);
+      PrintMale(*setup.material, *FitProcess(summary.Samples(), setup.plan.prior),
+                "the material's file");
+    }
   } catch (const ConfigError& e) {
     // Not the user's configuration: the measurement gave nothing to fit.
     throw std::runtime_error(

@@ -19,6 +19,7 @@
 #include "apps/gonio/summary.h"
 #include "core/error.h"
 #include "fitting/fit.h"
+#include "fitting/process_fit.h"
 #include "planner/plan.h"
 
 namespace gonio {
@@ -44,6 +45,14 @@ struct Outcome {
   SessionOutcome outcome = SessionOutcome::kComplete;
 };
 
+// Of what the plan's prior makes of the samples.
+double MaleOf(const std::vector<BrdfSample>& samples, const Plan& plan, const Brdf& material) {
+  if (plan.prior.process) {
+    return Compare(material, *FitProcess(samples, plan.prior), AllCores()).male;
+  }
+  return Compare(material, FitDsbrdf(samples, plan.prior, plan.fit), AllCores()).male;
+}
+
 Outcome RunOne(const SimulateOptions& options, const RigFile& rig_file, const NamedPlan& plan,
                const Brdf& material, std::uint64_t seed, const Interrupt& interrupt) {
   const std::unique_ptr<Planner> planner = MakePlanner(
@@ -63,8 +72,7 @@ Outcome RunOne(const SimulateOptions& options, const RigFile& rig_file, const Na
                   .outcome = summary.outcome};
   if (outcome.outcome != SessionOutcome::kComplete || summary.poses.empty()) return outcome;
   outcome.exposing_per_pose = summary.exposing / static_cast<double>(summary.poses.size());
-  const DsbrdfFit fit = FitDsbrdf(summary.Samples(), plan.plan.prior, plan.plan.fit);
-  outcome.male = Compare(material, fit, AllCores()).male;
+  outcome.male = MaleOf(summary.Samples(), plan.plan, material);
   return outcome;
 }
 

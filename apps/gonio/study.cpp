@@ -3,32 +3,20 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
-#include <thread>
 
 #include "apps/gonio/commands.h"
+#include "apps/gonio/frontier.h"
 #include "apps/gonio/interrupt.h"
 #include "apps/gonio/locate.h"
 #include "apps/gonio/study_pictures.h"
 #include "apps/gonio/study_run.h"
 #include "apps/gonio/study_summary.h"
+#include "apps/gonio/task_pool.h"
 #include "core/error.h"
-#include "core/file.h"
 
 namespace gonio {
 namespace {
-
-int Threads(const StudyOptions& options) {
-  if (options.threads > 0) return options.threads;
-  return static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-}
-
-// A copy of the study file beside its results.
-void KeepStudyFile(const std::filesystem::path& study, const std::filesystem::path& dir) {
-  const std::string text = ReadTextFile(study);
-  WriteFileAtomically(dir / "study.yaml", [&](std::ostream& out) { out << text; });
-}
 
 std::string Describe(const StudyCell& cell) {
   return fmt::format("{}, {}, density {:.3g} %, {}", cell.material, cell.method,
@@ -60,17 +48,18 @@ int ListComplaints(const StudyResult& result) {
 
 int StudyCommand(const StudyOptions& options) {
   const std::filesystem::path file = LocateConfig(options.study.string());
+  if (KindOfStudy(file) == StudyKind::kFrontier) return FrontierStudy(options, file);
   const StudyConfig study = LoadStudy(file);
   const std::vector<std::filesystem::path> materials =
-      FindMaterials(study, file, options.materials);
+      FindMaterials(study.materials, file, options.materials);
   std::filesystem::create_directories(options.out);
   KeepStudyFile(file, options.out);
 
   const Interrupt interrupt;
   ProgressLine line(study.name, options.quiet);
   StudyProgress progress;
-  const StudyResult result = RunStudy(study, materials, options.out, Threads(options), line,
-                                      interrupt.after_pose(), &progress);
+  const StudyResult result = RunStudy(study, materials, options.out, ThreadsOr(options.threads),
+                                      line, interrupt.after_pose(), &progress);
   fmt::print("study            {} materials, {} fits, {} of them done before\n", materials.size(),
              progress.tasks, progress.reused);
   WriteStudy(options.out, result);

@@ -13,6 +13,7 @@
 #include "brdf/merl_table.h"
 #include "core/config.h"
 #include "core/error.h"
+#include "core/file.h"
 
 namespace gonio {
 namespace {
@@ -70,10 +71,31 @@ std::vector<std::filesystem::path> Matches(const std::filesystem::path& folder,
   return matches;
 }
 
+// Where materials are looked for.
+std::vector<std::filesystem::path> Places(const std::filesystem::path& study_file,
+                                          const std::vector<std::filesystem::path>& folders) {
+  for (const std::filesystem::path& place : folders) {
+    if (!std::filesystem::is_directory(place)) {
+      throw ConfigError(place.string() + ": no such directory");
+    }
+  }
+  if (!folders.empty()) return folders;
+  const std::filesystem::path own = study_file.parent_path();
+  return {own.empty() ? "." : own, ConfigDir() / "materials"};
+}
+
 }  // namespace
+
+StudyKind KindOfStudy(const std::filesystem::path& path) {
+  const ConfigNode root = ConfigNode::Load(path);
+  return root.Has("kind") && root.Choice("kind", {"thinning", "frontier"}) == "frontier"
+             ? StudyKind::kFrontier
+             : StudyKind::kThinning;
+}
 
 StudyConfig LoadStudy(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::Load(path);
+  if (root.Has("kind")) root.Choice("kind", {"thinning"});
   root.Integer("version", 1, 1);
   StudyConfig study;
   study.name = root.Text("name");
@@ -98,22 +120,14 @@ StudyConfig LoadStudy(const std::filesystem::path& path) {
   return study;
 }
 
-std::vector<std::filesystem::path> FindMaterials(
-    const StudyConfig& study, const std::filesystem::path& study_file,
-    const std::vector<std::filesystem::path>& folders) {
-  std::vector<std::filesystem::path> places = folders;
-  for (const std::filesystem::path& place : places) {
-    if (!std::filesystem::is_directory(place)) {
-      throw ConfigError(place.string() + ": no such directory");
-    }
-  }
-  if (places.empty()) {
-    const std::filesystem::path own = study_file.parent_path();
-    places = {own.empty() ? "." : own, ConfigDir() / "materials"};
-  }
+std::vector<std::filesystem::path> FindFiles(const std::vector<std::string>& patterns,
+                                             const std::string& key,
+                                             const std::filesystem::path& study_file,
+                                             const std::vector<std::filesystem::path>& folders) {
+  const std::vector<std::filesystem::path> places = Places(study_file, folders);
   std::vector<std::filesystem::path> files;
   std::map<std::string, std::filesystem::path> by_stem;
-  for (const std::string& pattern : study.materials) {
+  for (const std::string& pattern : patterns) {
     bool found = false;
     for (const std::filesystem::path& place : places) {
       for (const std::filesystem::path& file : Matches(place, pattern)) {
@@ -128,16 +142,28 @@ std::vector<std::filesystem::path> FindMaterials(
     }
     // A pattern may stand for nothing, a name may not.
     if (!found && pattern.find_first_of("*?[") == std::string::npos) {
-      throw ConfigError(fmt::format("{}: materials: nothing is called \"{}\" in {}",
-                                    study_file.string(), pattern, places.front().string()));
+      throw ConfigError(fmt::format("{}: {}: nothing is called \"{}\" in {}", study_file.string(),
+                                    key, pattern, places.front().string()));
     }
   }
+  return files;
+}
+
+std::vector<std::filesystem::path> FindMaterials(
+    const std::vector<std::string>& patterns, const std::filesystem::path& study_file,
+    const std::vector<std::filesystem::path>& folders) {
+  std::vector<std::filesystem::path> files = FindFiles(patterns, "materials", study_file, folders);
   if (files.empty()) {
     throw ConfigError(
         fmt::format("{}: materials: none found in {}; --materials names other folders",
-                    study_file.string(), places.front().string()));
+                    study_file.string(), Places(study_file, folders).front().string()));
   }
   return files;
+}
+
+void KeepStudyFile(const std::filesystem::path& study, const std::filesystem::path& dir) {
+  const std::string text = ReadTextFile(study);
+  WriteFileAtomically(dir / "study.yaml", [&](std::ostream& out) { out << text; });
 }
 
 }  // namespace gonio

@@ -33,16 +33,28 @@ struct StudyConfig {
   StudyMontage montage;               // none if it has no materials
 };
 
+// `kind: thinning` (the default) or `frontier` (apps/gonio/frontier_config.h).
+enum class StudyKind { kThinning, kFrontier };
+// Throws ConfigError.
+StudyKind KindOfStudy(const std::filesystem::path& path);
+
 // docs/data-format.md describes the file. Throws ConfigError.
 StudyConfig LoadStudy(const std::filesystem::path& path);
 
-// The files that the study's names and patterns stand for, in its order, each once. They are looked
-// for in `folders`, or, if there are none, beside the study file and among the materials that gonio
-// comes with. Throws ConfigError on a name without wildcards that is not there, if nothing at all
-// is found, and on two different files that would be confused in the results as they have the same
-// stem.
-std::vector<std::filesystem::path> FindMaterials(const StudyConfig& study,
+// The files that the names and patterns under `key` stand for, in its order, each once. They are
+// looked for in `folders`, or, if there are none, beside the study file and among the materials
+// that gonio comes with. Throws ConfigError on a name without wildcards that is not there, and on
+// two different files that would be confused in the results as they have the same stem.
+std::vector<std::filesystem::path> FindFiles(const std::vector<std::string>& patterns,
+                                             const std::string& key,
+                                             const std::filesystem::path& study_file,
+                                             const std::vector<std::filesystem::path>& folders);
+// FindFiles() for the key `materials`, of which there must be at least one.
+std::vector<std::filesystem::path> FindMaterials(const std::vector<std::string>& patterns,
                                                  const std::filesystem::path& study_file,
                                                  const std::vector<std::filesystem::path>& folders);
+
+// A copy of the study file beside its results: `dir`/study.yaml.
+void KeepStudyFile(const std::filesystem::path& study, const std::filesystem::path& dir);
 
 }  // namespace gonio

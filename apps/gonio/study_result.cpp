@@ -8,6 +8,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
+#include "apps/gonio/csv_text.h"
 #include "apps/gonio/json_file.h"
 #include "apps/gonio/study_summary.h"
 #include "brdf/brdf.h"
@@ -79,13 +80,6 @@ std::vector<StudyCell> ToCells(const json& list) {
   std::vector<StudyCell> cells;
   for (const json& entry : list) cells.push_back(ToCell(entry));
   return cells;
-}
-
-// A field of a CSV row, in quotes.
-std::string CsvText(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 void WriteCsv(const std::filesystem::path& path, const StudyResult& study) {

@@ -4,13 +4,12 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <exception>
 #include <mutex>
 #include <optional>
-#include <thread>
 
 #include "acquisition/sha256.h"
 #include "apps/gonio/tabulate.h"
+#include "apps/gonio/task_pool.h"
 #include "brdf/metrics.h"
 #include "brdf/open.h"
 
@@ -76,13 +75,12 @@ class Run {
   }
 
   StudyResult Do(int threads, StudyProgress* progress) {
-    {
-      std::vector<std::jthread> helpers;
-      for (int t = 1; t < threads; ++t) helpers.emplace_back([this] { Work(); });
-      Work();
-    }
+    ForEachTask(tasks_.size(), threads, stop_, [this](std::size_t i) {
+      DoTask(tasks_[i]);
+      tasks_[i].material->Done();
+      Show(tasks_[i]);
+    });
     line_.Finish();
-    if (error_) std::rethrow_exception(error_);
     StudyResult result{.name = study_.name, .cells = {}};
     progress->tasks = static_cast<int>(tasks_.size());
     progress->reused = reused_;
@@ -94,20 +92,6 @@ class Run {
   }
 
  private:
-  void Work() {
-    try {
-      for (std::size_t i = next_++; i < tasks_.size() && !stop_.stop_requested(); i = next_++) {
-        DoTask(tasks_[i]);
-        tasks_[i].material->Done();
-        Show(tasks_[i]);
-      }
-    } catch (...) {
-      const std::lock_guard lock(mutex_);
-      if (!error_) error_ = std::current_exception();
-      next_ = tasks_.size();
-    }
-  }
-
   void Show(const Task& task) {
     const std::lock_guard lock(mutex_);
     ++finished_;
@@ -207,11 +191,9 @@ class Run {
   std::stop_token stop_;
   std::vector<std::unique_ptr<Material>> materials_;
   std::vector<Task> tasks_;
-  std::atomic<std::size_t> next_ = 0;
   std::atomic<int> reused_ = 0;
   std::mutex mutex_;  // of what follows
   int finished_ = 0;
-  std::exception_ptr error_;
 };
 
 }  // namespace

@@ -8,26 +8,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "apps/gonio/statistics.h"
+
 namespace gonio {
 namespace {
 
 using nlohmann::json;
-
-// Values that are NaN are left out.
-double Median(std::vector<double> values) {
-  std::erase_if(values, [](double x) { return !std::isfinite(x); });
-  if (values.empty()) return StudyCell::kUnknown;
-  std::sort(values.begin(), values.end());
-  const std::size_t middle = values.size() / 2;
-  return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
-
-double MeanOf(std::vector<double> values) {
-  std::erase_if(values, [](double x) { return !std::isfinite(x); });
-  double sum = 0;
-  for (const double value : values) sum += value;
-  return values.empty() ? StudyCell::kUnknown : sum / static_cast<double>(values.size());
-}
 
 // Names in the order in which they first appear.
 template <typename Key>

@@ -239,6 +239,28 @@ TEST(Kinematics, TravelTimeIsThatOfTheSlowestAxis) {
   EXPECT_EQ(kinematics.TravelTime(from, from).count(), 0);
 }
 
+TEST(Kinematics, EveryMoveOfAnAxisCostsItsOverheadButStandingStillCostsNothing) {
+  RigConfig rig = DefaultRig();
+  rig.axes[kLightElevation].move_overhead = Seconds(68);
+  const Kinematics kinematics(rig);
+  const ArmAngles from = AnglesDeg(-100, 45, 30, 45);
+  // 10 deg at 20 deg/s and 40 deg/s^2: one second.
+  EXPECT_NEAR(kinematics.TravelTime(from, AnglesDeg(-100, 45, 30, 55)).count(), 1, 1e-9);
+  EXPECT_NEAR(kinematics.TravelTime(from, AnglesDeg(-100, 55, 30, 45)).count(), 69, 1e-9);
+  EXPECT_NEAR(kinematics.TravelTime(from, AnglesDeg(-100, 55, 30, 55)).count(), 69, 1e-9);
+  EXPECT_EQ(kinematics.TravelTime(from, AnglesDeg(-100, 45.04, 30, 45)).count(), 0);
+}
+
+TEST(Kinematics, WaitsForTheArmWhoseMovesCostLess) {
+  RigConfig rig = DefaultRig();
+  rig.axes[kLightAzimuth].move_overhead = Seconds(20);
+  const Kinematics kinematics(rig);
+  const ArmAngles from = AnglesDeg(0, 45, 90, 45);
+  const auto angles = kinematics.Inverse(kinematics.Forward(AnglesDeg(-10, 45, 120, 45)), from);
+  ASSERT_TRUE(angles);
+  EXPECT_EQ((*angles)[kLightAzimuth], from[kLightAzimuth]);
+}
+
 TEST(TrapezoidTime, FollowsTheClosedForms) {
   EXPECT_EQ(TrapezoidTime(0, 2, 4).count(), 0);
   EXPECT_DOUBLE_EQ(TrapezoidTime(0.25, 2, 4).count(), 0.5);  // triangle: 2 sqrt(d / a)

@@ -114,6 +114,17 @@ TEST_F(MoveAllTest, GivesALongMoveMoreTime) {
       1.5 * TrapezoidTime(distance, limits.max_speed, limits.acceleration).count() + 2);
 }
 
+TEST_F(MoveAllTest, LeavesAnAxisWithAnOverheadWhereItIsNearEnough) {
+  rig_.axes[kCameraAzimuth].move_overhead = Seconds(27);
+  target_[kCameraAzimuth] = 0.5 + RadFromDeg(0.04);
+  target_[kLightAzimuth] = 0.5 + RadFromDeg(0.04);
+  const auto arrival = Move();
+  ASSERT_TRUE(arrival.ok());
+  EXPECT_EQ(Count("start camera_azimuth"), 0);
+  EXPECT_EQ(Count("start light_azimuth"), 1);
+  EXPECT_EQ(arrival->readback[kCameraAzimuth], 0.5);
+}
+
 TEST_F(MoveAllTest, SendsOnlyTheAxisThatMissedAgain) {
   axes_[kCameraAzimuth]->misses = {RadFromDeg(0.06)};
   const auto arrival = Move();

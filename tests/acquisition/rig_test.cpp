@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include "acquisition/kinematics.h"
+#include "acquisition/time_estimate.h"
 #include "core/file.h"
 #include "tests/acquisition/simulated_rig.h"
 
@@ -53,6 +55,35 @@ TEST(ReadRig, WhitePaperReachesTheTargetInAThirdOfASecond) {
   const double rate = 0.3 * rig.radiometry.responsivity[1] / rig.radiometry.electrons_per_count;
   const double exposure = rig.exposure.target_fraction * rig.camera.full_scale / rate;
   EXPECT_NEAR(exposure, 0.3, 0.05);
+}
+
+RigConfig Preset(const std::string& name) {
+  const ConfigNode root =
+      ConfigNode::Load(std::string(GONIO_SOURCE_DIR) + "/configs/rig-" + name + ".yaml");
+  RigConfig rig = ReadRig(root, "");
+  ReadSim(root);
+  root.RefuseUnknownKeys();
+  return rig;
+}
+
+class Presets : public testing::TestWithParam<const char*> {};
+
+TEST_P(Presets, AreRead) { EXPECT_NO_THROW(Preset(GetParam())); }
+
+INSTANTIATE_TEST_SUITE_P(ReadRig, Presets,
+                         testing::Values("slow-stepper", "robot-arm", "fast-servo", "rt300s"));
+
+TEST(ReadRig, PresetOfTheRt300sTakesItsClockedTimes) {
+  const RigConfig rig = Preset("rt300s");
+  const Kinematics kinematics(rig);
+  const auto pose = [&](double incidence, double azimuth, double receiver) {
+    const Seconds travel = kinematics.TravelTime(
+        AnglesDeg(0, 60, 20, 40), AnglesDeg(0, 60 + incidence, 20 + azimuth, 40 + receiver));
+    return (travel + rig.motion.settle + NominalExposing(rig)).count();
+  };
+  EXPECT_NEAR(pose(0, 0, 5), 2, 0.1);
+  EXPECT_NEAR(pose(0, 10, 40), 27, 0.1);
+  EXPECT_NEAR(pose(10, 10, 40), 72, 0.1);
 }
 
 struct BadRig {
@@ -118,6 +149,8 @@ INSTANTIATE_TEST_SUITE_P(
                "radiometry.responsivity: holds 0, must be > 0"},
         BadRig{"electrons_per_count: 4", "electrons_per_count: 0",
                "radiometry.electrons_per_count: is 0, must be > 0"},
+        BadRig{"tolerance_deg: 0.05", "tolerance_deg: 0.05\n    move_overhead_s: -1",
+               "axes.light_azimuth.move_overhead_s: is -1, must be >= 0"},
         BadRig{"dense_brackets: 3", "dense_brackets: 0",
                "time.dense_brackets: is 0, must be between 1 and 100"},
         BadRig{"repeatability_deg: 0.005", "repeatability_deg: 5",

@@ -26,6 +26,21 @@ class SessionCycle : public GonioTest {
   }
 };
 
+// The session is then its process: better than its own DSBRDF fit.
+TEST_F(SessionCycle, LearnsAPriorAndMeasuresWithIt) {
+  Expect("prior learn satin-paint.yaml glossy-plastic.yaml retro-cloth.yaml --out mine.yaml");
+  const std::string summary =
+      Expect("run --material satin-paint.yaml --prior mine.yaml --max-poses 20 --out s").out;
+  EXPECT_THAT(summary, HasSubstr("the process of prior mine"));
+  const std::string material =
+      std::string(GONIO_SOURCE_DIR) + "/configs/materials/satin-paint.yaml";
+  const double male = Compare(material, "s")["male"];
+  EXPECT_LT(male, Compare(material, "s/fit.yaml")["male"].get<double>());
+  EXPECT_LT(male, 0.01);
+  ExpectRefused(Gonio("prior learn satin-paint.yaml --out mine.yaml"), 2, {"mine.yaml", "exists"});
+  ExpectRefused(Gonio("prior learn satin-paint.yaml --out other.yaml"), 2, {"3 materials or more"});
+}
+
 TEST_F(SessionCycle, RunsExportsComparesAndFitsAgain) {
   const std::string summary = Expect("run --material satin-paint.yaml --max-poses 40 --out s").out;
   EXPECT_THAT(summary, AllOf(HasSubstr("measuring: pose 40 of 40"), HasSubstr("MALE"),

@@ -196,6 +196,13 @@ TEST(Compare, IsNearlyTheSameOnEveryFourthPhi) {
   EXPECT_NEAR(fourth.male, full.male, 0.01 * full.male);
 }
 
+TEST(Compare, IsNearlyTheSameOnEveryFourthThetaD) {
+  const ErrorMetrics full = Compare(Paint(), Metal(), {.phi_stride = 12});
+  const ErrorMetrics fourth = Compare(Paint(), Metal(), {.phi_stride = 12, .theta_d_stride = 4});
+  EXPECT_NEAR(fourth.compared / double(full.compared), 0.25, 0.005);
+  EXPECT_NEAR(fourth.male, full.male, 0.01 * full.male);
+}
+
 TEST(MetricOptions, PassTheirOwnCheckByDefault) { EXPECT_NO_THROW(MetricOptions{}.Check()); }
 
 TEST(MetricOptions, AreRefusedByName) {
@@ -205,6 +212,7 @@ TEST(MetricOptions, AreRefusedByName) {
   EXPECT_EQ(complaint({.max_theta = 0}), "max_theta: is 0 deg, must be > 0 and <= 90");
   EXPECT_EQ(complaint({.max_theta = kPi}), "max_theta: is 180 deg, must be > 0 and <= 90");
   EXPECT_EQ(complaint({.phi_stride = 0}), "phi_stride: is 0, must be between 1 and 180");
+  EXPECT_EQ(complaint({.theta_d_stride = 91}), "theta_d_stride: is 91, must be between 1 and 90");
   EXPECT_EQ(complaint({.threads = 0}), "threads: is 0, must be >= 1");
 }
 

@@ -10,6 +10,7 @@
 
 #include "brdf/analytic.h"
 #include "core/error.h"
+#include "fitting/generalised_log.h"
 #include "fitting/posterior.h"
 #include "fitting/starts.h"
 #include "tests/core/temp_dir.h"

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "fitting/generalised_log.h"
 #include "tests/fitting/synthetic.h"
 
 namespace gonio {

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "core/units.h"
-#include "fitting/posterior.h"
+#include "fitting/generalised_log.h"
 #include "tests/fitting/synthetic.h"
 
 namespace gonio {

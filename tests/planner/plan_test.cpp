@@ -186,7 +186,7 @@ TEST(MakePlanner, GivesTheHierarchicalPlanItsTravelTime) {
   const TravelTime travel = [](const DirectionPair& from, const DirectionPair& to) {
     return AngleBetween(from.wo, to.wo);
   };
-  const auto planner = MakePlanner(Minimal("hierarchical"), {.travel = travel});
+  const auto planner = MakePlanner(Minimal("hierarchical"), {.costs = {.travel = travel}});
   const auto first = planner->Next();
   planner->Observe(*first, {});
   const auto second = planner->Next();

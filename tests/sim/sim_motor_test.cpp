@@ -42,6 +42,16 @@ TEST_F(SimMotorTest, MoveToWhereItStandsTakesNoTime) {
   EXPECT_EQ(motor_.Position(), 1);
 }
 
+TEST_F(SimMotorTest, OverheadFollowsEveryMoveButNoneToWhereItStands) {
+  SimMotor motor(1, 2, 4, clock_, Seconds(27));
+  motor.Start(1);
+  EXPECT_FALSE(motor.Moving());
+  motor.Start(1.25);
+  EXPECT_DOUBLE_EQ(motor.Remaining().count(), 27.5);
+  EXPECT_EQ(motor.PositionAt(Seconds(1)), 1.25);
+  EXPECT_TRUE(motor.MovingBetween(Seconds(27), Seconds(28)));
+}
+
 TEST_F(SimMotorTest, StopFreezesItMidway) {
   motor_.Start(11);
   clock_.SleepFor(Seconds(1.5));

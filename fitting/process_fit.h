@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// The reflectance a process makes of samples, anywhere, with its uncertainty.
+
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fitting/estimate.h"
+#include "fitting/prior.h"
+#include "fitting/process_posterior.h"
+
+namespace gonio {
+
+class ProcessFit final : public Estimate {
+ public:
+  ProcessFit(std::shared_ptr<const ProcessModel> model, const ProcessPosterior& posterior,
+             const ProcessOptions& options);
+
+  using Brdf::Eval;
+  // Empty below the horizon.
+  std::optional<Rgb> Eval(const HalfDiff& angles) const override;
+  std::string name() const override { return "process"; }
+  Prediction Predict(const HalfDiff& angles) const override;
+  Interval PredictInterval(const HalfDiff& angles, double probability) const override;
+
+  // Standard deviation of each channel's z (fitting/process_model.h), model error included.
+  Rgb SpreadAt(const HalfDiff& angles) const;
+
+ private:
+  Eigen::Array3d MeanAt(const HalfDiff& angles) const;  // of z
+
+  std::shared_ptr<const ProcessModel> model_;
+  Eigen::MatrixXd field_;
+  std::vector<ProcessPosterior::Knowledge> groups_;
+  double model_error_;
+};
+
+// The reading of a sample.
+ProcessReading ToReading(const ProcessModel& model, const BrdfSample& sample);
+
+// How much wider than a Gaussian's an interval of this probability has to be: interpolated.
+double WideningAt(const std::vector<Calibration>& calibration, double probability);
+
+// Throws ConfigError if no sample is usable (all sigma infinite) or the prior has no process.
+// Deterministic.
+std::unique_ptr<ProcessFit> FitProcess(std::span<const BrdfSample> samples, const Prior& prior,
+                                       const ProcessOptions& options = {});
+
+}  // namespace gonio

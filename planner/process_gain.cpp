@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "planner/process_gain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/check.h"
+#include "core/units.h"
+#include "fitting/generalised_log.h"
+
+namespace gonio {
+namespace {
+
+// Of the coarse candidates, so many lead to a closer look around them.
+constexpr int kLeaders = 6;
+constexpr int kReach = 2;  // raster cells around a leader
+
+// n's digits to this base, mirrored at the point: 0 .. 1.
+double RadicalInverse(int n, int base) {
+  double inverse = 0;
+  for (double digit = 1.0 / base; n > 0; n /= base, digit /= base) inverse += digit * (n % base);
+  return inverse;
+}
+
+// The objective's quantity at z = glog(f_r).
+double Quantity(Objective objective, double z, double cosine, double floor) {
+  if (objective == Objective::kRelative) return z;
+  return std::log1p(std::max(FromGeneralisedLog(z, floor), 0.0) * cosine);
+}
+
+// How much it changes with z, on average within a standard deviation: where little is known yet, a
+// dark prediction must not make light of what may be bright.
+double Sensitivity(Objective objective, double z, double sd, double cosine, double floor) {
+  const double reach = std::max(sd, 1e-3);
+  return (Quantity(objective, z + reach, cosine, floor) -
+          Quantity(objective, z - reach, cosine, floor)) /
+         (2 * reach);
+}
+
+}  // namespace
+
+ProcessGain::ProcessGain(std::vector<Candidate> candidates, const ProcessGainOptions& options)
+    : candidates_(std::move(candidates)), options_(options) {
+  const double limit = std::cos(options_.max_polar);
+  double sum = 0;
+  for (int n = 1; static_cast<int>(targets_.size()) < options_.targets; ++n) {
+    // Halton's points: no two of their coordinates follow each other, in the highlight or anywhere.
+    const double u = RadicalInverse(n, 2);
+    const HalfDiff angles{u * u * kPi / 2, RadicalInverse(n, 3) * kPi / 2,
+                          RadicalInverse(n, 5) * kPi};
+    double cos_i = 0;
+    double cos_o = 0;
+    Cosines(angles, &cos_i, &cos_o);
+    if (cos_i < limit || cos_o < limit) continue;
+    // As dense as sqrt(theta_h), and each counting as much of theta_h as it stands for.
+    targets_.push_back({angles, cos_i, u});
+    sum += u;
+  }
+  for (Target& target : targets_) target.weight /= sum;
+  for (const Candidate& candidate : candidates_) {
+    rows_ = std::max(rows_, candidate.row + 1);
+    columns_ = std::max(columns_, candidate.column + 1);
+  }
+  cells_.resize(static_cast<std::size_t>(rows_) * columns_);
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const Candidate& candidate = candidates_[i];
+    cells_[static_cast<std::size_t>(candidate.row) * columns_ + candidate.column].push_back(
+        static_cast<int>(i));
+  }
+  // Every so-many-th candidate in an order that jumps about.
+  const double step = std::max(1.0, static_cast<double>(candidates_.size()) / options_.coarse);
+  for (double at = 0.5 * step; at < static_cast<double>(candidates_.size()); at += step) {
+    coarse_.push_back(static_cast<int>(at));
+  }
+}
+
+void ProcessGain::SetModel(std::shared_ptr<const ProcessModel> model) {
+  if (model == model_) return;
+  model_ = std::move(model);
+  const std::size_t groups = model_->groups().size();
+  features_.assign(groups, {});
+  on_coarse_.assign(groups, {});
+  on_targets_.assign(groups, {});
+  const auto count = static_cast<Eigen::Index>(candidates_.size());
+  const auto targets = static_cast<Eigen::Index>(targets_.size());
+  for (std::size_t g = 0; g < groups; ++g) {
+    features_[g].resize(model_->groups()[g].size, count);
+    on_coarse_[g].resize(model_->groups()[g].size, static_cast<Eigen::Index>(coarse_.size()));
+    on_targets_[g].resize(model_->groups()[g].size, targets);
+  }
+  candidate_means_.resize(kChannels, count);
+  target_means_.resize(kChannels, targets);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const ProcessModel::Place place = model_->At(candidates_[i].angles);
+    candidate_means_.col(i) = place.mean;
+    for (std::size_t g = 0; g < groups; ++g) features_[g].col(i) = place.features[g].cast<float>();
+  }
+  for (Eigen::Index i = 0; i < targets; ++i) {
+    const ProcessModel::Place place = model_->At(targets_[i].angles);
+    target_means_.col(i) = place.mean;
+    for (std::size_t g = 0; g < groups; ++g) on_targets_[g].col(i) = place.features[g];
+  }
+  for (std::size_t g = 0; g < groups; ++g) {
+    for (std::size_t k = 0; k < coarse_.size(); ++k) {
+      on_coarse_[g].col(static_cast<Eigen::Index>(k)) = features_[g].col(coarse_[k]);
+    }
+  }
+}
+
+void ProcessGain::Learn(std::shared_ptr<const ProcessModel> model,
+                        const ProcessPosterior& posterior, const ProcessOptions& process) {
+  SetModel(std::move(model));
+  weights_ = posterior.weights();
+  model_error_ = process.model_error;
+  repeatability_ = process.repeatability;
+  groups_.resize(model_->groups().size());
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    groups_[g].covariance = posterior.groups()[g].covariance;
+  }
+  SetObjective(posterior, process);
+  ScoreCoarse();
+}
+
+void ProcessGain::SetObjective(const ProcessPosterior& posterior, const ProcessOptions& process) {
+  const auto targets = static_cast<Eigen::Index>(targets_.size());
+  Eigen::MatrixXd series = target_means_;
+  Eigen::MatrixXd variance(kChannels, targets);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const ProcessModel::Group& group = model_->groups()[g];
+    const Eigen::MatrixXd known = posterior.groups()[g].covariance * on_targets_[g];
+    const Eigen::RowVectorXd v = known.cwiseProduct(on_targets_[g]).colwise().sum();
+    for (int s = group.first_series; s < group.first_series + group.series; ++s) {
+      series.row(s) += posterior.weights()[s].transpose() * on_targets_[g];
+      variance.row(s) = v;
+    }
+  }
+  const Eigen::Matrix3d& t = model_->transform();
+  const Eigen::Matrix3d squares = t.cwiseAbs2();
+  const double white = process.model_error * process.model_error;
+  Eigen::MatrixXd on_series(kChannels, targets);  // d error / d variance, but for a factor
+  total_ = predicted_error_ = floor_error_ = 0;
+  for (Eigen::Index i = 0; i < targets; ++i) {
+    const Eigen::Vector3d z = t.transpose() * series.col(i);
+    const Eigen::Vector3d v = squares.transpose() * variance.col(i);
+    Eigen::Vector3d slope;
+    for (int c = 0; c < kChannels; ++c) {
+      const double sd = std::sqrt(v[c] + white);
+      const double g =
+          Sensitivity(options_.objective, z[c], sd, targets_[i].cosine, model_->floor());
+      const double weight = targets_[i].weight / kChannels * g;
+      // How fast the mean absolute error falls with variance. Summing variances instead would send
+      // most of the first poses into the highlight, where little is known of little.
+      slope[c] = weight / sd;
+      // Mean absolute value of a Gaussian: sqrt(2 / pi) sigma.
+      predicted_error_ += weight * std::sqrt(2 / kPi) * sd;
+      floor_error_ += weight * std::sqrt(2 / kPi * white);
+    }
+    on_series.col(i) = squares * slope;
+    total_ += on_series.col(i).dot(variance.col(i));
+  }
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const ProcessModel::Group& group = model_->groups()[g];
+    const Eigen::VectorXd weight =
+        on_series.middleRows(group.first_series, group.series).colwise().sum().transpose();
+    const Eigen::MatrixXd scaled = on_targets_[g] * weight.cwiseSqrt().asDiagonal();
+    GroupState& state = groups_[g];
+    state.objective.setZero(group.size, group.size);
+    state.objective.selfadjointView<Eigen::Lower>().rankUpdate(scaled);
+    state.objective.triangularView<Eigen::StrictlyUpper>() = state.objective.transpose();
+  }
+}
+
+void ProcessGain::ScoreCoarse() {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    GroupState& state = groups_[g];
+    state.taught = state.covariance * state.objective * state.covariance;
+    const Eigen::MatrixXf& phi = on_coarse_[g];
+    const Eigen::MatrixXf p = state.covariance.cast<float>();
+    const Eigen::MatrixXf m = state.taught.cast<float>();
+    state.variance = (p * phi).cwiseProduct(phi).colwise().sum();
+    state.numerator = (m * phi).cwiseProduct(phi).colwise().sum();
+    state.noise.resize(phi.cols());
+    for (Eigen::Index k = 0; k < phi.cols(); ++k) {
+      state.noise[k] = static_cast<float>(NoiseVariance(coarse_[k], static_cast<int>(g)));
+    }
+  }
+}
+
+double ProcessGain::NoiseVariance(int candidate, int group_index) const {
+  const ProcessModel::Group& group = model_->groups()[group_index];
+  Eigen::Vector3d series = candidate_means_.col(candidate);
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const ProcessModel::Group& other = model_->groups()[g];
+    for (int s = other.first_series; s < other.first_series + other.series; ++s) {
+      series[s] += features_[g].col(candidate).cast<double>().dot(weights_[s]);
+    }
+  }
+  const Eigen::Matrix3d& t = model_->transform();
+  const Eigen::Vector3d z = t.transpose() * series;
+  Eigen::Vector3d noise;
+  for (int c = 0; c < kChannels; ++c) {
+    const double f = std::max(FromGeneralisedLog(z[c], model_->floor()), 0.0);
+    const double slope = GeneralisedLogSlope(f, model_->floor());
+    const double relative = options_.relative_noise * f;
+    const double variance =
+        (relative * relative + options_.absolute_noise * options_.absolute_noise) * slope * slope;
+    noise[c] = variance + model_error_ * model_error_;
+  }
+  const Eigen::Vector3d common = t.rowwise().sum() * repeatability_;
+  const Eigen::Vector3d all = t.cwiseAbs2() * noise + common.cwiseAbs2();
+  return all.segment(group.first_series, group.series).mean();
+}
+
+std::vector<int> ProcessGain::Near(int candidate) const {
+  const Candidate& centre = candidates_[candidate];
+  std::vector<int> near;
+  for (int row = std::max(0, centre.row - kReach); row <= std::min(rows_ - 1, centre.row + kReach);
+       ++row) {
+    for (int column = std::max(0, centre.column - kReach);
+         column <= std::min(columns_ - 1, centre.column + kReach); ++column) {
+      const auto& cell = cells_[static_cast<std::size_t>(row) * columns_ + column];
+      near.insert(near.end(), cell.begin(), cell.end());
+    }
+  }
+  return near;
+}
+
+double ProcessGain::GainOf(int candidate) const {
+  if (!(total_ > 0)) return 0;
+  double gain = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const Eigen::VectorXd phi = features_[g].col(candidate).cast<double>();
+    const double variance = phi.dot(groups_[g].covariance * phi);
+    const double numerator = phi.dot(groups_[g].taught * phi);
+    gain += numerator / (variance + NoiseVariance(candidate, static_cast<int>(g)));
+  }
+  return gain / total_;
+}
+
+ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Cost& cost) const {
+  std::vector<std::pair<double, int>> scores;
+  for (std::size_t k = 0; k < coarse_.size(); ++k) {
+    const int candidate = coarse_[k];
+    if (spent[candidate]) continue;
+    double gain = 0;
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      const auto i = static_cast<Eigen::Index>(k);
+      gain += groups_[g].numerator[i] / (groups_[g].variance[i] + groups_[g].noise[i]);
+    }
+    scores.emplace_back(gain / cost(candidates_[candidate]), candidate);
+  }
+  const std::size_t leaders = std::min<std::size_t>(kLeaders, scores.size());
+  std::partial_sort(scores.begin(), scores.begin() + static_cast<std::ptrdiff_t>(leaders),
+                    scores.end(), [](const auto& a, const auto& b) {
+                      return a.first != b.first ? a.first > b.first : a.second < b.second;
+                    });
+  Choice best;
+  std::vector<bool> seen(candidates_.size(), false);
+  for (std::size_t k = 0; k < leaders; ++k) {
+    for (const int candidate : Near(scores[k].second)) {
+      if (spent[candidate] || seen[candidate]) continue;
+      seen[candidate] = true;
+      const double gain = GainOf(candidate);
+      const double score = gain / cost(candidates_[candidate]);
+      if (best.candidate < 0 || score > best.score) best = {candidate, gain, score};
+    }
+  }
+  if (best.candidate >= 0) return best;
+  const auto left = std::find(spent.begin(), spent.end(), false);  // none of the coarse ones
+  if (left == spent.end()) return best;
+  const int candidate = static_cast<int>(left - spent.begin());
+  const double gain = GainOf(candidate);
+  return {candidate, gain, gain / cost(candidates_[candidate])};
+}
+
+void ProcessGain::Suppose(int candidate) {
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    GroupState& state = groups_[g];
+    const Eigen::VectorXd phi = features_[g].col(candidate).cast<double>();
+    const Eigen::VectorXd p = state.covariance * phi;
+    const Eigen::VectorXd q = state.covariance * (state.objective * p);
+    const double s = phi.dot(p) + NoiseVariance(candidate, static_cast<int>(g));
+    const double r = p.dot(state.objective * p);
+    state.covariance -= p * p.transpose() / s;
+    state.taught += (-p * q.transpose() - q * p.transpose() + (r / s) * p * p.transpose()) / s;
+    const Eigen::VectorXf on_p = on_coarse_[g].transpose() * p.cast<float>();
+    const Eigen::VectorXf on_q = on_coarse_[g].transpose() * q.cast<float>();
+    const auto sf = static_cast<float>(s);
+    state.variance -= on_p.cwiseAbs2() / sf;
+    state.numerator +=
+        (static_cast<float>(r) / sf * on_p.cwiseAbs2() - 2 * on_p.cwiseProduct(on_q)) / sf;
+  }
+}
+
+}  // namespace gonio

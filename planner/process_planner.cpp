@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "planner/process_planner.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/check.h"
+#include "fitting/generalised_log.h"
+
+namespace gonio {
+namespace {
+
+// So many poses are chosen one by one; then a batch is a share of what was measured.
+constexpr int kSingle = 12;
+constexpr double kBatchShare = 0.1;
+
+}  // namespace
+
+ProcessPlanner::ProcessPlanner(std::vector<Candidate> candidates, ProcessPlannerOptions options,
+                               SessionCosts costs)
+    : options_(std::move(options)),
+      costs_(std::move(costs)),
+      gain_(std::move(candidates), options_.gain),
+      spent_(gain_.candidates().size(), false) {
+  GONIO_CHECK(!gain_.candidates().empty(), "a planner needs candidates");
+  GONIO_CHECK(options_.prior != nullptr, "a process needs a prior");
+  model_ = std::make_shared<const ProcessModel>(*options_.prior);
+}
+
+std::optional<Proposal> ProcessPlanner::Next() {
+  if (!current_ && reason_.empty()) current_ = Choose();
+  return current_;
+}
+
+std::optional<Proposal> ProcessPlanner::Choose() {
+  if (batch_.empty()) {
+    Refit();
+    reason_ = measured_ < options_.max_poses ? Enough() : "pose budget reached";
+    if (reason_.empty()) ChooseBatch();
+    if (!reason_.empty()) return std::nullopt;
+  }
+  const Proposal next = batch_.front();
+  batch_.pop_front();
+  return next;
+}
+
+std::string ProcessPlanner::Enough() const {
+  if (samples_.empty() || !(options_.target_error > 0)) return {};
+  if (*predicted_error_ <= options_.target_error) return "target error reached";
+  if (gain_.floor_error() >= options_.target_error &&
+      gain_.predicted_error() < 1.2 * gain_.floor_error()) {
+    return "target error is below what the model can reach; nothing more to gain";
+  }
+  return {};
+}
+
+void ProcessPlanner::Refit() {
+  if (posterior_ && fitted_ == samples_.size()) return;
+  for (std::size_t n = readings_.size(); n < samples_.size(); ++n) {
+    readings_.push_back(ToReading(*model_, samples_[n]));
+  }
+  posterior_.emplace(*model_, readings_, options_.process);
+  fitted_ = samples_.size();
+  gain_.Learn(model_, *posterior_, options_.process);
+  if (!samples_.empty()) predicted_error_ = gain_.predicted_error();
+}
+
+int ProcessPlanner::BatchSize() const {
+  const int size = measured_ < kSingle ? 1 : static_cast<int>(1 + kBatchShare * measured_);
+  return std::min({size, options_.max_batch, options_.max_poses - measured_});
+}
+
+double ProcessPlanner::TravelFrom(const DirectionPair& from, const DirectionPair& to) const {
+  return costs_.travel ? costs_.travel(from, to) : 0;
+}
+
+double ProcessPlanner::PoseTime(const DirectionPair& pair) const {
+  if (!costs_.pose) return 1;
+  return costs_.pose(pair, Predict(pair).value_or(Rgb::Constant(0.1)));
+}
+
+void ProcessPlanner::ChooseBatch() {
+  const int size = BatchSize();
+  std::vector<bool> taken = spent_;
+  std::vector<DirectionPair> from;
+  if (position_) from.push_back(*position_);
+  while (static_cast<int>(batch_.size()) < size) {
+    const auto travel_to = [&](const DirectionPair& to) {
+      double least = from.empty() ? 0 : TravelFrom(from.front(), to);
+      for (const DirectionPair& pair : from) least = std::min(least, TravelFrom(pair, to));
+      return least;
+    };
+    const ProcessGain::Choice choice = gain_.Best(taken, [&](const Candidate& candidate) {
+      return PoseTime(candidate.directions) + travel_to(candidate.directions);
+    });
+    if (choice.candidate < 0 || choice.gain < options_.min_gain) {
+      if (batch_.empty()) reason_ = choice.candidate < 0 ? "no candidate left" : "no more gain";
+      break;
+    }
+    batch_.push_back(Propose(choice));
+    taken[choice.candidate] = true;
+    from.push_back(batch_.back().directions);
+    gain_.Suppose(choice.candidate);
+  }
+  OrderBatch();
+}
+
+// The quickest round through the batch from where the arms stand: nearest first, then 2-opt.
+void ProcessPlanner::OrderBatch() {
+  if (!costs_.travel || batch_.size() < 2) return;
+  const auto nearest = [&](const DirectionPair& from, std::size_t begin) {
+    std::size_t best = begin;
+    for (std::size_t i = begin + 1; i < batch_.size(); ++i) {
+      if (TravelFrom(from, batch_[i].directions) < TravelFrom(from, batch_[best].directions)) {
+        best = i;
+      }
+    }
+    return best;
+  };
+  for (std::size_t i = 0; i < batch_.size(); ++i) {
+    if (i == 0 && !position_) continue;
+    std::swap(batch_[i], batch_[nearest(i == 0 ? *position_ : batch_[i - 1].directions, i)]);
+  }
+  const auto leg = [&](std::ptrdiff_t a, std::size_t b) {
+    if (b >= batch_.size() || (a < 0 && !position_)) return 0.0;
+    return TravelFrom(a < 0 ? *position_ : batch_[a].directions, batch_[b].directions);
+  };
+  for (bool better = true; better;) {
+    better = false;
+    for (std::size_t i = 0; i + 1 < batch_.size(); ++i) {
+      for (std::size_t j = i + 1; j < batch_.size(); ++j) {
+        const auto before = static_cast<std::ptrdiff_t>(i) - 1;
+        const double now = leg(before, i) + leg(static_cast<std::ptrdiff_t>(j), j + 1);
+        const double turned = leg(before, j) + leg(static_cast<std::ptrdiff_t>(i), j + 1);
+        if (turned < now - 1e-9) {
+          std::reverse(batch_.begin() + static_cast<std::ptrdiff_t>(i),
+                       batch_.begin() + static_cast<std::ptrdiff_t>(j) + 1);
+          better = true;
+        }
+      }
+    }
+  }
+}
+
+Proposal ProcessPlanner::Propose(const ProcessGain::Choice& choice) const {
+  return {.directions = gain_.candidates()[choice.candidate].directions,
+          .candidate = choice.candidate,
+          .score = choice.score,
+          .reason = "information"};
+}
+
+void ProcessPlanner::Observe(const Proposal& proposal, const BrdfSample& sample) {
+  Reject(proposal);
+  ++measured_;
+  position_ = proposal.directions;
+  if (sample.sigma.isFinite().any()) samples_.push_back(sample);
+}
+
+void ProcessPlanner::Reject(const Proposal& proposal) {
+  GONIO_CHECK(current_ && current_->candidate == proposal.candidate,
+              "answers must be to the last proposal");
+  spent_[proposal.candidate] = true;
+  current_.reset();
+}
+
+std::optional<Rgb> ProcessPlanner::Predict(const DirectionPair& pair) const {
+  if (!posterior_) return std::nullopt;
+  const Eigen::Vector3d z = posterior_->Mean(model_->At(ToHalfDiff(pair)));
+  Rgb f_r;
+  for (int c = 0; c < kChannels; ++c) {
+    f_r[c] = std::max(FromGeneralisedLog(z[c], model_->floor()), 0.0);
+  }
+  return f_r;
+}
+
+}  // namespace gonio

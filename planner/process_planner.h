@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: Apache-2.0
+// The adaptive planner: measure where the remaining uncertainty matters most per second.
+
+#pragma once
+
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fitting/process_fit.h"
+#include "planner/planner.h"
+#include "planner/process_gain.h"
+
+namespace gonio {
+
+struct ProcessPlannerOptions {
+  int max_poses = 100;      // > 0
+  double target_error = 0;  // stop once PredictedError() is at most this; 0: no target
+  double min_gain = 1e-4;   // >= 0: stop once no pose would take away this share of the variance
+  int max_batch = 8;        // > 0: poses chosen, and ordered by travel, between two fits
+  ProcessGainOptions gain;
+  std::shared_ptr<const ProcessPrior> prior;  // not null
+  ProcessOptions process;
+};
+
+// Fits a process to all samples (fitting/process_fit.h) and proposes the candidates with the
+// largest expected gain (planner/process_gain.h) per second of travel, settling and exposure; never
+// one that was measured before. Where no costs are given a second is a pose.
+//
+// Early poses are chosen one by one; later ones in batches that grow to max_batch, since one more
+// reading then changes little, and the batch is visited in the order that is quickest.
+//
+// Nothing is random. Fitting happens in Next(): a few tens of milliseconds per batch.
+class ProcessPlanner final : public Planner {
+ public:
+  // Preconditions: candidates is not empty, options.prior is not null.
+  ProcessPlanner(std::vector<Candidate> candidates, ProcessPlannerOptions options,
+                 SessionCosts costs = {});
+
+  std::optional<Proposal> Next() override;
+  void Observe(const Proposal& proposal, const BrdfSample& sample) override;
+  void Reject(const Proposal& proposal) override;
+  std::string reason() const override { return reason_; }
+  int MaxPoses() const override { return options_.max_poses; }
+  std::optional<double> PredictedError() const override { return predicted_error_; }
+  std::optional<Rgb> Predict(const DirectionPair& pair) const override;
+
+ private:
+  std::optional<Proposal> Choose();
+  Proposal Propose(const ProcessGain::Choice& choice) const;
+  void Refit();
+  std::string Enough() const;
+  void ChooseBatch();
+  void OrderBatch();
+  int BatchSize() const;
+  double TravelFrom(const DirectionPair& from, const DirectionPair& to) const;
+  double PoseTime(const DirectionPair& pair) const;
+
+  ProcessPlannerOptions options_;
+  SessionCosts costs_;
+  ProcessGain gain_;
+  std::vector<bool> spent_;  // measured or rejected
+  int measured_ = 0;
+  std::vector<BrdfSample> samples_;
+  std::optional<DirectionPair> position_;  // where the last pose left the arms
+  std::shared_ptr<const ProcessModel> model_;
+  std::optional<ProcessPosterior> posterior_;
+  std::vector<ProcessReading> readings_;  // of samples_, in model_
+  std::size_t fitted_ = 0;                // samples the posterior knows
+  std::deque<Proposal> batch_;
+  std::optional<double> predicted_error_;
+  std::optional<Proposal> current_;
+  std::string reason_;
+};
+
+}  // namespace gonio

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: Apache-2.0
+// A process from learning to prediction.
+#include "fitting/process_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+#include "fitting/generalised_log.h"
+#include "tests/core/temp_dir.h"
+#include "tests/fitting/small_process.h"
+#include "tests/fitting/synthetic.h"
+
+namespace gonio {
+namespace {
+
+const Prior& Learned() {
+  static const Prior prior = SmallProcessPrior();
+  return prior;
+}
+
+// Between the paints that were learned from, and like none of them.
+AnalyticBrdf Unseen() { return PaintOf(0.22, 0.2); }
+
+std::vector<BrdfSample> Readings(const Brdf& material, int count, double noise,
+                                 std::uint64_t seed = 1) {
+  Random random(seed, 0);
+  std::vector<BrdfSample> samples;
+  for (int n = 0; n < count; ++n) {
+    samples.push_back(ReadingAt(material, RandomPose(random), noise, random));
+  }
+  return samples;
+}
+
+// Mean |log ratio| over random directions.
+double ErrorOf(const Brdf& truth, const Brdf& fit) {
+  Random random(99, 0);
+  double sum = 0;
+  for (int n = 0; n < 300; ++n) {
+    const DirectionPair pair = RandomPose(random);
+    const Rgb ratio = (*truth.Eval(pair) + 0.01) / (*fit.Eval(pair) + 0.01);
+    sum += ratio.log().abs().mean() / 300;
+  }
+  return sum;
+}
+
+TEST(GeneralisedLog, IsTurnedRound) {
+  for (const double f : {-0.3, 0.0, 1e-4, 0.2, 40.0}) {
+    EXPECT_NEAR(FromGeneralisedLog(GeneralisedLog(f, 0.01), 0.01), f, 1e-12 * (1 + std::abs(f)));
+  }
+}
+
+TEST(ProcessFit, LearnsAMaterialItHasNotSeenFromAFewReadings) {
+  const AnalyticBrdf material = Unseen();
+  const double few = ErrorOf(material, *FitProcess(Readings(material, 4, 0.01), Learned()));
+  const double some = ErrorOf(material, *FitProcess(Readings(material, 16, 0.01), Learned()));
+  EXPECT_LT(some, 0.06);
+  EXPECT_LT(some, few);
+}
+
+TEST(ProcessFit, HoldsTheTruthInItsIntervals) {
+  int inside = 0;
+  int all = 0;
+  for (const double albedo : {0.15, 0.25, 0.45}) {
+    const AnalyticBrdf material = PaintOf(0.25, albedo);
+    const auto fit = FitProcess(Readings(material, 20, 0.01), Learned());
+    Random random(5, 0);
+    for (int n = 0; n < 200; ++n, all += kChannels) {
+      const DirectionPair pair = RandomPose(random);
+      const Interval interval = fit->PredictInterval(ToHalfDiff(pair), 0.9);
+      const Rgb f = *material.Eval(pair);
+      inside += static_cast<int>((f >= interval.low && f <= interval.high).count());
+    }
+  }
+  EXPECT_GT(inside, 0.8 * all);
+}
+
+TEST(ProcessFit, GrowsSurerAndItsIntervalsNest) {
+  const AnalyticBrdf material = Unseen();
+  const auto few = FitProcess(Readings(material, 5, 0.01), Learned());
+  const auto many = FitProcess(Readings(material, 60, 0.01), Learned());
+  const HalfDiff angles{0.3, 0.5, 1};
+  EXPECT_LT(many->SpreadAt(angles).maxCoeff(), few->SpreadAt(angles).maxCoeff());
+  const Interval half = few->PredictInterval(angles, 0.5);
+  const Interval most = few->PredictInterval(angles, 0.95);
+  EXPECT_TRUE((most.low < half.low && half.high < most.high).all());
+  const Rgb f = *few->Eval(angles);
+  EXPECT_TRUE((half.low < f && f < half.high).all());
+  const Prediction prediction = few->Predict(angles);
+  EXPECT_TRUE((prediction.f_r == f).all());
+  EXPECT_TRUE((prediction.sigma > 0).all());
+}
+
+TEST(ProcessFit, IsNotThrownByOneWildReading) {
+  const AnalyticBrdf material = Unseen();
+  std::vector<BrdfSample> samples = Readings(material, 30, 0.01);
+  const double before = ErrorOf(material, *FitProcess(samples, Learned()));
+  samples[7].f_r *= 3;
+  samples[7].sigma *= 3;
+  EXPECT_LT(ErrorOf(material, *FitProcess(samples, Learned())), 2 * before + 0.01);
+}
+
+TEST(ProcessFit, DoesWithoutAChannelThatIsMissing) {
+  const AnalyticBrdf material = Unseen();
+  std::vector<BrdfSample> samples = Readings(material, 30, 0.01);
+  for (std::size_t n = 0; n < samples.size(); n += 3) {
+    samples[n].f_r[2] = 0;
+    samples[n].sigma[2] = std::numeric_limits<double>::infinity();
+  }
+  EXPECT_LT(ErrorOf(material, *FitProcess(samples, Learned())), 0.08);
+}
+
+TEST(ProcessFit, KnowsNothingBelowTheHorizon) {
+  const auto fit = FitProcess(Readings(Unseen(), 5, 0.01), Learned());
+  EXPECT_FALSE(fit->Eval(HalfDiff{1.4, 1.4, 0.1}).has_value());
+}
+
+TEST(ProcessFit, RefusesWhatItCannotFit) {
+  const std::vector<BrdfSample> samples = Readings(Unseen(), 3, 0.01);
+  EXPECT_EQ(MessageOf<ConfigError>([&] { FitProcess(samples, GenericPrior()); }),
+            "prior generic: has no process; learn one with gonio prior learn");
+  EXPECT_EQ(MessageOf<ConfigError>([&] { FitProcess({}, Learned()); }),
+            "nothing to fit: no sample has a channel with a finite sigma");
+}
+
+TEST(LearnPrior, NamesItsMaterialsAndIsTheSameForAnyNumberOfThreads) {
+  const AnalyticBrdf a = PaintOf(0.2, 0.1);
+  const AnalyticBrdf b = PaintOf(0.3, 0.4);
+  const AnalyticBrdf c = PaintOf(0.4, 0.2);
+  const std::vector<TrainingMaterial> materials = {{"a", &a}, {"b", &b}, {"c", &c}};
+  LearnOptions options = SmallLearnOptions();
+  const Prior one = LearnPrior(materials, options);
+  options.threads = 2;
+  const Prior two = LearnPrior(materials, options);
+  EXPECT_EQ(one.materials, (std::vector<std::string>{"a", "b", "c"}));
+  EXPECT_EQ(one.process->luminance, two.process->luminance);
+  EXPECT_EQ(one.process->stationary_chroma, two.process->stationary_chroma);
+}
+
+TEST(LearnPrior, RefusesTooFewAndTheSameTwice) {
+  const AnalyticBrdf a = PaintOf(0.2, 0.1);
+  const std::vector<TrainingMaterial> few = {{"a", &a}, {"b", &a}};
+  EXPECT_EQ(MessageOf<ConfigError>([&] { LearnPrior(few, SmallLearnOptions()); }),
+            "a prior is learned from 3 materials or more, not from 2");
+  const std::vector<TrainingMaterial> twice = {{"a", &a}, {"b", &a}, {"a", &a}};
+  EXPECT_EQ(MessageOf<ConfigError>([&] { LearnPrior(twice, SmallLearnOptions()); }),
+            "a: is named twice among the materials");
+}
+
+TEST(PriorFile, KeepsAProcessToFiveDigits) {
+  const TempDir dir;
+  WritePrior(dir / "prior.yaml", Learned());
+  const Prior read = ReadPrior(dir / "prior.yaml");
+  ASSERT_NE(read.process, nullptr);
+  EXPECT_EQ(read.process->basis, Learned().process->basis);
+  EXPECT_EQ(read.process->floor, Learned().process->floor);
+  EXPECT_TRUE(read.process->luminance.isApprox(Learned().process->luminance, 1e-4));
+  EXPECT_TRUE(read.process->chroma.isApprox(Learned().process->chroma, 1e-4));
+  EXPECT_TRUE(read.process->mean.isApprox(Learned().process->mean, 1e-4));
+  const std::vector<BrdfSample> samples = Readings(Unseen(), 12, 0.01);
+  const HalfDiff angles{0.3, 0.5, 1};
+  const Rgb before = *FitProcess(samples, Learned())->Eval(angles);
+  EXPECT_LT((*FitProcess(samples, read)->Eval(angles) / before - 1).abs().maxCoeff(), 1e-3);
+}
+
+TEST(Calibration, InterpolatesBetweenItsProbabilities) {
+  const std::vector<Calibration> calibration = {{0.5, 1}, {0.9, 2}};
+  EXPECT_EQ(WideningAt({}, 0.7), 1);
+  EXPECT_EQ(WideningAt(calibration, 0.2), 1);
+  EXPECT_NEAR(WideningAt(calibration, 0.7), 1.5, 1e-12);
+  EXPECT_EQ(WideningAt(calibration, 0.99), 2);
+}
+
+}  // namespace
+}  // namespace gonio
