@@ -65,9 +65,10 @@ void ReadFit(const ConfigNode& root, Plan* plan) {
   plan->prior = OpenPrior(prior, shape);
 }
 
-void ReadInformation(const ConfigNode& root, InformationOptions* options) {
+void ReadInformation(const ConfigNode& root, Plan* plan) {
   if (!root.Has("information")) return;
   const ConfigNode node = root.Map("information");
+  InformationOptions* options = &plan->information;
   GainOptions& gain = options->gain;
   if (node.Has("objective")) {
     gain.objective = node.Choice("objective", {"male", "relative"}) == "male"
@@ -81,6 +82,7 @@ void ReadInformation(const ConfigNode& root, InformationOptions* options) {
       node.NumberOr("max_polar_deg", DegFromRad(gain.max_polar), Range::Between(10, 90)));
   gain.relative_noise = node.NumberOr("relative_noise", gain.relative_noise, Range::Positive());
   gain.repeat_length = node.NumberOr("repeat_length", gain.repeat_length, Range::Positive());
+  plan->mind_time = node.BoolOr("travel", plan->mind_time);
 }
 
 void ReadSlices(const ConfigNode& root, SliceRefinementOptions* options) {
@@ -152,7 +154,7 @@ std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInput
   options.gain.relative_noise = plan.information.gain.relative_noise;
   options.prior = plan.prior.process;
   return std::make_unique<ProcessPlanner>(MakeCandidates(candidates, inputs.reachable), options,
-                                          inputs.costs);
+                                          plan.mind_time ? inputs.costs : SessionCosts{});
 }
 
 // Proposal::reason of a plan whose poses are known beforehand.
@@ -192,7 +194,7 @@ Plan ParsePlan(const std::string& text, const std::string& name) {
     plan.raster.every_theta_h = node.IntegerOr("every_theta_h", 1, 1, 1000);
     plan.raster.every_theta_d = node.IntegerOr("every_theta_d", 1, 1, 1000);
   }
-  if (plan.kind == PlannerKind::kInformation) ReadInformation(root, &plan.information);
+  if (plan.kind == PlannerKind::kInformation) ReadInformation(root, &plan);
   if (plan.kind == PlannerKind::kSlices) ReadSlices(root, &plan.slices);
   ReadFit(root, &plan);
   root.RefuseUnknownKeys();

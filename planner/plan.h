@@ -37,7 +37,9 @@ struct Plan {
   CandidateOptions candidates;
   RasterOptions raster;            // kGrid; max_poses above is put into it
   InformationOptions information;  // kInformation; max_poses above is put into it
-  SliceRefinementOptions slices;   // kSlices; max_poses above is put into it
+  // kInformation with a learned process: gain per second, else gain per pose.
+  bool mind_time = true;
+  SliceRefinementOptions slices;  // kSlices; max_poses above is put into it
 
   // With what a session's samples are fitted in the end, whoever chose them.
   Prior prior;

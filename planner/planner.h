@@ -20,8 +20,8 @@ struct Proposal {
   std::string reason;  // one short phrase for the log: "opening", "information", "raster"
 };
 
-// Seconds from one pose to the next, all axes moving together; both poses within reach. A pure
-// function of its arguments, injected because a planner knows no rig.
+// Seconds from one pose to the next, all axes moving together; both poses within reach. Its answers
+// depend on its arguments only. Injected because a planner knows no rig.
 using TravelTime = std::function<double(const DirectionPair& from, const DirectionPair& to)>;
 
 // What a pose costs on the rig; an empty function costs nothing.
