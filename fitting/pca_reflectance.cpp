@@ -9,6 +9,7 @@
 #include "core/check.h"
 #include "core/error.h"
 #include "core/units.h"
+#include "fitting/grid_reflectance.h"
 
 namespace gonio {
 namespace {
@@ -25,32 +26,6 @@ double CosMap(const HalfDiff& angles) {
   Cosines(angles, &cos_i, &cos_o);
   return std::max(cos_i, kLeastCosine) * std::max(cos_o, kLeastCosine);
 }
-
-// A reflectance given at the nodes of a grid. Peaks are nearer to straight in the logarithm: on
-// MERL tables interpolating that instead of f_r halves the error.
-class GridReflectance final : public Brdf {
- public:
-  GridReflectance(AngleGrid grid, const Eigen::Matrix3Xf& f_r)
-      : grid_(grid), log_f_r_((f_r.array() + static_cast<float>(kEpsilon)).log()) {}
-
-  using Brdf::Eval;
-  std::optional<Rgb> Eval(const HalfDiff& angles) const override {
-    double cos_i = 0;
-    double cos_o = 0;
-    Cosines(angles, &cos_i, &cos_o);
-    if (!(cos_i > 0 && cos_o > 0)) return std::nullopt;
-    Rgb sum = Rgb::Zero();
-    for (const AngleGrid::Corner& corner : grid_.Locate(angles)) {
-      sum += corner.weight * log_f_r_.col(corner.index).array().cast<double>();
-    }
-    return Rgb((sum.exp() - kEpsilon).max(0));
-  }
-  std::string name() const override { return "principal components"; }
-
- private:
-  AngleGrid grid_;
-  Eigen::Matrix3Xf log_f_r_;
-};
 
 // The coefficients of one channel; empty without readings.
 Eigen::VectorXd Coefficients(std::span<const BrdfSample> samples, int channel,
@@ -177,7 +152,7 @@ std::unique_ptr<Brdf> Reconstruct(std::span<const BrdfSample> samples, const Pca
       f_r(c, node) = static_cast<float>(basis.Unmap(mapped[node], node));
     }
   }
-  return std::make_unique<GridReflectance>(basis.grid(), f_r);
+  return std::make_unique<GridReflectance>("principal components", basis.grid(), f_r);
 }
 
 }  // namespace gonio

@@ -87,9 +87,8 @@ struct PcaOptions {
 // columns / 240. Sigma does not matter, as published, except that readings of infinite sigma are
 // left out; a channel without readings is the mean.
 //
-// What is returned has a value wherever both directions are above the horizon: ln(f_r + 1e-3) is
-// linear between the nodes and constant beyond the outermost. Evaluating takes about 0.1 us; the
-// basis is not needed any more.
+// What is returned is a GridReflectance: a value wherever both directions are above the horizon.
+// The basis is not needed any more.
 std::unique_ptr<Brdf> Reconstruct(std::span<const BrdfSample> samples, const PcaBasis& basis,
                                   const PcaOptions& options = {});
 

@@ -2,11 +2,15 @@
 #include "planner/plan.h"
 
 #include <algorithm>
+#include <map>
+#include <vector>
 
 #include "core/config.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/units.h"
+#include "planner/direction_lists.h"
+#include "planner/hierarchical_planner.h"
 #include "planner/process_planner.h"
 
 namespace gonio {
@@ -61,9 +65,10 @@ void ReadFit(const ConfigNode& root, Plan* plan) {
   plan->prior = OpenPrior(prior, shape);
 }
 
-void ReadInformation(const ConfigNode& root, InformationOptions* options) {
+void ReadInformation(const ConfigNode& root, Plan* plan) {
   if (!root.Has("information")) return;
   const ConfigNode node = root.Map("information");
+  InformationOptions* options = &plan->information;
   GainOptions& gain = options->gain;
   if (node.Has("objective")) {
     gain.objective = node.Choice("objective", {"male", "relative"}) == "male"
@@ -77,6 +82,95 @@ void ReadInformation(const ConfigNode& root, InformationOptions* options) {
       node.NumberOr("max_polar_deg", DegFromRad(gain.max_polar), Range::Between(10, 90)));
   gain.relative_noise = node.NumberOr("relative_noise", gain.relative_noise, Range::Positive());
   gain.repeat_length = node.NumberOr("repeat_length", gain.repeat_length, Range::Positive());
+  plan->mind_time = node.BoolOr("travel", plan->mind_time);
+}
+
+void ReadSlices(const ConfigNode& root, SliceRefinementOptions* options) {
+  if (!root.Has("slices")) return;
+  const ConfigNode node = root.Map("slices");
+  options->floor = node.NumberOr("floor_per_sr", options->floor, Range::Positive());
+  options->curiosity = node.NumberOr("curiosity", options->curiosity, Range::Positive());
+  options->borrowed = node.NumberOr("borrowed", options->borrowed, Range::Between(0, 1));
+}
+
+const std::map<std::string, PlannerKind> kKinds = {{"grid", PlannerKind::kGrid},
+                                                   {"random", PlannerKind::kRandom},
+                                                   {"information", PlannerKind::kInformation},
+                                                   {"nielsen", PlannerKind::kNielsen},
+                                                   {"pivoted-qr", PlannerKind::kPivotedQr},
+                                                   {"frost", PlannerKind::kFrost},
+                                                   {"slices", PlannerKind::kSlices},
+                                                   {"hierarchical", PlannerKind::kHierarchical}};
+
+PlannerKind ReadKind(const ConfigNode& root) {
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kKinds) names.push_back(name);
+  return kKinds.at(root.Choice("planner", names));
+}
+
+// Whether "no budget" would make no sense: the planner could go on for ever, or its directions
+// depend on how many there will be.
+bool NeedsBudget(PlannerKind kind) {
+  return kind == PlannerKind::kInformation || kind == PlannerKind::kPivotedQr ||
+         kind == PlannerKind::kFrost;
+}
+
+// The order of a plan whose poses are known beforehand.
+std::vector<int> ListedOrder(const Plan& plan, const std::vector<Candidate>& candidates,
+                             const PlannerInputs& inputs) {
+  if (plan.kind == PlannerKind::kRandom) {
+    return RandomOrder(candidates.size(), plan.max_poses, inputs.seed);
+  }
+  if (plan.kind == PlannerKind::kNielsen) {
+    std::vector<int> order = NielsenOrder(candidates);
+    const auto budget = static_cast<std::size_t>(plan.max_poses);
+    if (budget > 0 && order.size() > budget) order.resize(budget);
+    return order;
+  }
+  if (plan.kind == PlannerKind::kGrid) {
+    RasterOptions raster = plan.raster;
+    raster.max_poses = plan.max_poses;
+    return RasterOrder(candidates, plan.candidates, raster);
+  }
+  if (inputs.pca == nullptr) {
+    throw ConfigError("plan " + plan.name +
+                      ": its directions are computed from training materials, and none were given");
+  }
+  return plan.kind == PlannerKind::kFrost ? FrostOrder(candidates, *inputs.pca, plan.max_poses)
+                                          : PivotedOrder(candidates, *inputs.pca, plan.max_poses);
+}
+
+// Where a process was learned it plans: it sees all three angles, so cells get several phi_d.
+std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInputs& inputs) {
+  CandidateOptions candidates = plan.candidates;
+  candidates.phi_choices = kProcessPhis;
+  candidates.phi_span = std::max(candidates.phi_span, kProcessPhiSpan);
+  ProcessPlannerOptions options;
+  options.max_poses = plan.max_poses;
+  options.target_error = plan.information.target_error;
+  options.min_gain = plan.information.min_gain;
+  options.gain.objective = plan.information.gain.objective;
+  options.gain.max_polar = plan.information.gain.max_polar;
+  options.gain.relative_noise = plan.information.gain.relative_noise;
+  options.prior = plan.prior.process;
+  return std::make_unique<ProcessPlanner>(MakeCandidates(candidates, inputs.reachable), options,
+                                          plan.mind_time ? inputs.costs : SessionCosts{});
+}
+
+// Proposal::reason of a plan whose poses are known beforehand.
+const char* Label(PlannerKind kind) {
+  switch (kind) {
+    case PlannerKind::kGrid:
+      return "raster";
+    case PlannerKind::kRandom:
+      return "random";
+    case PlannerKind::kNielsen:
+      return "published direction";
+    case PlannerKind::kPivotedQr:
+      return "pivoted QR";
+    default:
+      return "FROST";
+  }
 }
 
 }  // namespace
@@ -91,20 +185,17 @@ Plan ParsePlan(const std::string& text, const std::string& name) {
   root.Integer("version", 1, 1);
   plan.name = root.Text("name");
   plan.text = text;
-  const std::string kind = root.Choice("planner", {"grid", "random", "information"});
-  plan.kind = kind == "grid"     ? PlannerKind::kGrid
-              : kind == "random" ? PlannerKind::kRandom
-                                 : PlannerKind::kInformation;
-  plan.max_poses = plan.kind == PlannerKind::kInformation
-                       ? root.Integer("max_poses", 1, kMostPoses)
-                       : root.IntegerOr("max_poses", 0, 0, kMostPoses);
+  plan.kind = ReadKind(root);
+  plan.max_poses = NeedsBudget(plan.kind) ? root.Integer("max_poses", 1, kMostPoses)
+                                          : root.IntegerOr("max_poses", 0, 0, kMostPoses);
   plan.candidates = ReadCandidates(root);
   if (plan.kind == PlannerKind::kGrid && root.Has("grid")) {
     const ConfigNode node = root.Map("grid");
     plan.raster.every_theta_h = node.IntegerOr("every_theta_h", 1, 1, 1000);
     plan.raster.every_theta_d = node.IntegerOr("every_theta_d", 1, 1, 1000);
   }
-  if (plan.kind == PlannerKind::kInformation) ReadInformation(root, &plan.information);
+  if (plan.kind == PlannerKind::kInformation) ReadInformation(root, &plan);
+  if (plan.kind == PlannerKind::kSlices) ReadSlices(root, &plan.slices);
   ReadFit(root, &plan);
   root.RefuseUnknownKeys();
   return plan;
@@ -114,55 +205,37 @@ Plan LoadPlan(const std::filesystem::path& path) {
   return ParsePlan(ReadTextFile(path), path.string());
 }
 
-namespace {
-
-// Where a process was learned it plans: it sees all three angles, so cells get several phi_d.
-std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const Reachable& reachable) {
-  CandidateOptions candidates = plan.candidates;
-  candidates.phi_choices = kProcessPhis;
-  candidates.phi_span = std::max(candidates.phi_span, kProcessPhiSpan);
-  ProcessPlannerOptions options;
-  options.max_poses = plan.max_poses;
-  options.target_error = plan.information.target_error;
-  options.min_gain = plan.information.min_gain;
-  options.gain.objective = plan.information.gain.objective;
-  options.gain.max_polar = plan.information.gain.max_polar;
-  options.gain.relative_noise = plan.information.gain.relative_noise;
-  options.prior = plan.prior.process;
-  return std::make_unique<ProcessPlanner>(MakeCandidates(candidates, reachable), options);
-}
-
-}  // namespace
-
-std::unique_ptr<Planner> MakePlanner(const Plan& plan, const Reachable& reachable,
-                                     std::uint64_t seed) {
-  std::vector<Candidate> candidates = MakeCandidates(plan.candidates, reachable);
+std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inputs) {
+  std::vector<Candidate> candidates = MakeCandidates(plan.candidates, inputs.reachable);
   if (candidates.empty()) {
     throw ConfigError("plan " + plan.name +
                       ": the rig cannot reach any of its poses: check the rig's axis limits, "
                       "geometry.max_polar_deg and geometry.min_separation_deg");
   }
   switch (plan.kind) {
-    case PlannerKind::kGrid: {
-      RasterOptions raster = plan.raster;
-      raster.max_poses = plan.max_poses;
-      std::vector<int> order = RasterOrder(candidates, plan.candidates, raster);
-      return std::make_unique<SequencePlanner>(std::move(candidates), std::move(order), "raster");
-    }
-    case PlannerKind::kRandom: {
-      std::vector<int> order = RandomOrder(candidates.size(), plan.max_poses, seed);
-      return std::make_unique<SequencePlanner>(std::move(candidates), std::move(order), "random");
-    }
     case PlannerKind::kInformation: {
-      if (plan.prior.process) return MakeProcessPlanner(plan, reachable);
+      if (plan.prior.process) return MakeProcessPlanner(plan, inputs);
       InformationOptions options = plan.information;
       options.max_poses = plan.max_poses;
       options.prior = plan.prior;
       options.fit = plan.fit;
       return std::make_unique<InformationPlanner>(std::move(candidates), std::move(options));
     }
+    case PlannerKind::kSlices: {
+      SliceRefinementOptions options = plan.slices;
+      options.max_poses = plan.max_poses;
+      return std::make_unique<SliceRefinementPlanner>(std::move(candidates), options);
+    }
+    case PlannerKind::kHierarchical:
+      return std::make_unique<HierarchicalPlanner>(std::move(candidates),
+                                                   HierarchicalOptions{.max_poses = plan.max_poses},
+                                                   inputs.costs.travel);
+    default: {
+      std::vector<int> order = ListedOrder(plan, candidates, inputs);
+      return std::make_unique<SequencePlanner>(std::move(candidates), std::move(order),
+                                               Label(plan.kind));
+    }
   }
-  GONIO_CHECK(false, "every kind of planner is handled");
 }
 
 }  // namespace gonio

@@ -8,14 +8,25 @@
 #include <memory>
 #include <string>
 
+#include "fitting/pca_reflectance.h"
 #include "planner/candidates.h"
 #include "planner/information_planner.h"
 #include "planner/planner.h"
 #include "planner/sequence_planner.h"
+#include "planner/slice_refinement_planner.h"
 
 namespace gonio {
 
-enum class PlannerKind { kGrid, kRandom, kInformation };
+enum class PlannerKind {
+  kGrid,
+  kRandom,
+  kInformation,
+  kNielsen,  // planner/direction_lists.h, as the next two
+  kPivotedQr,
+  kFrost,
+  kSlices,        // planner/slice_refinement_planner.h
+  kHierarchical,  // planner/hierarchical_planner.h
+};
 
 // A plan file such as configs/plan-information.yaml, checked. docs/planning.md lists the keys.
 struct Plan {
@@ -26,6 +37,9 @@ struct Plan {
   CandidateOptions candidates;
   RasterOptions raster;            // kGrid; max_poses above is put into it
   InformationOptions information;  // kInformation; max_poses above is put into it
+  // kInformation with a learned process: gain per second, else gain per pose.
+  bool mind_time = true;
+  SliceRefinementOptions slices;  // kSlices; max_poses above is put into it
 
   // With what a session's samples are fitted in the end, whoever chose them.
   Prior prior;
@@ -40,9 +54,16 @@ Plan ParsePlan(const std::string& text, const std::string& name);
 // The prior a user names: "generic", or a prior file. `shape` is used by the generic one only.
 Prior OpenPrior(const std::string& name, const DsbrdfShape& shape);
 
-// The planner of a plan over the candidates `reachable` leaves. Throws ConfigError if it leaves
-// none. `seed` matters to random plans only.
-std::unique_ptr<Planner> MakePlanner(const Plan& plan, const Reachable& reachable,
-                                     std::uint64_t seed);
+// What a planner needs and a plan file cannot hold.
+struct PlannerInputs {
+  Reachable reachable = {};  // if empty, every candidate above the horizon is
+  SessionCosts costs = {};   // kInformation with a learned process; kHierarchical: travel only
+  std::shared_ptr<const PcaBasis> pca = nullptr;  // kPivotedQr, kFrost: required
+  std::uint64_t seed = 0;                         // kRandom
+};
+
+// The planner of a plan over the candidates that are reachable. Throws ConfigError if there are
+// none, or if the plan needs something that is not there.
+std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inputs);
 
 }  // namespace gonio

@@ -20,14 +20,15 @@ struct Proposal {
   std::string reason;  // one short phrase for the log: "opening", "information", "raster"
 };
 
-// Seconds the arms take from one pose to another, both reachable.
+// Seconds from one pose to the next, all axes moving together; both poses within reach. Its answers
+// depend on its arguments only. Injected because a planner knows no rig.
 using TravelTime = std::function<double(const DirectionPair& from, const DirectionPair& to)>;
 
 // What a pose costs on the rig; an empty function costs nothing.
 struct SessionCosts {
-  TravelTime travel;
+  TravelTime travel = {};
   // Seconds of settling, exposing and reading out at a pose where f_r is about this [1/sr].
-  std::function<double(const DirectionPair& pair, const Rgb& f_r)> pose;
+  std::function<double(const DirectionPair& pair, const Rgb& f_r)> pose = {};
 };
 
 // A planner is a plain conversation, with no clock, no device and no file:

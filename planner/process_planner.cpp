@@ -16,6 +16,37 @@ constexpr double kBatchShare = 0.1;
 
 }  // namespace
 
+// Seconds until a candidate would be measured, coming from the nearest of the poses before it.
+// Remembered: every pose of a batch asks for those of the same candidates.
+class ProcessPlanner::SecondsTo {
+ public:
+  explicit SecondsTo(const ProcessPlanner& planner)
+      : planner_(planner), known_(planner.gain_.candidates().size()) {}
+
+  void AddStart(const DirectionPair& pair) { starts_.push_back(pair); }
+
+  double Of(std::size_t candidate) {
+    Known& known = known_[candidate];
+    const DirectionPair& pair = planner_.gain_.candidates()[candidate].directions;
+    if (known.pose == 0) known.pose = planner_.PoseTime(pair);
+    for (; known.starts < starts_.size(); ++known.starts) {
+      const double travel = planner_.TravelFrom(starts_[known.starts], pair);
+      known.travel = known.starts == 0 ? travel : std::min(known.travel, travel);
+    }
+    return known.pose + known.travel;
+  }
+
+ private:
+  struct Known {
+    double pose = 0;    // 0: not asked yet
+    double travel = 0;  // from the nearest of the first `starts`
+    std::size_t starts = 0;
+  };
+  const ProcessPlanner& planner_;
+  std::vector<DirectionPair> starts_;
+  std::vector<Known> known_;
+};
+
 ProcessPlanner::ProcessPlanner(std::vector<Candidate> candidates, ProcessPlannerOptions options,
                                SessionCosts costs)
     : options_(std::move(options)),
@@ -79,27 +110,31 @@ double ProcessPlanner::PoseTime(const DirectionPair& pair) const {
   return costs_.pose(pair, Predict(pair).value_or(Rgb::Constant(0.1)));
 }
 
+// The next of a batch that has these: the most gain for its seconds, or the most where that would
+// end the session although there is more to gain farther away.
+ProcessGain::Choice ProcessPlanner::ChooseBeside(const std::vector<bool>& taken,
+                                                 SecondsTo* seconds) {
+  const ProcessGain::Choice choice = gain_.Best(taken, [&](const Candidate& candidate) {
+    return seconds->Of(static_cast<std::size_t>(&candidate - gain_.candidates().data()));
+  });
+  if (choice.candidate < 0 || choice.gain >= options_.min_gain) return choice;
+  return gain_.Best(taken, [](const Candidate&) { return 1.0; });
+}
+
 void ProcessPlanner::ChooseBatch() {
   const int size = BatchSize();
   std::vector<bool> taken = spent_;
-  std::vector<DirectionPair> from;
-  if (position_) from.push_back(*position_);
+  SecondsTo seconds(*this);
+  if (position_) seconds.AddStart(*position_);
   while (static_cast<int>(batch_.size()) < size) {
-    const auto travel_to = [&](const DirectionPair& to) {
-      double least = from.empty() ? 0 : TravelFrom(from.front(), to);
-      for (const DirectionPair& pair : from) least = std::min(least, TravelFrom(pair, to));
-      return least;
-    };
-    const ProcessGain::Choice choice = gain_.Best(taken, [&](const Candidate& candidate) {
-      return PoseTime(candidate.directions) + travel_to(candidate.directions);
-    });
+    const ProcessGain::Choice choice = ChooseBeside(taken, &seconds);
     if (choice.candidate < 0 || choice.gain < options_.min_gain) {
       if (batch_.empty()) reason_ = choice.candidate < 0 ? "no candidate left" : "no more gain";
       break;
     }
     batch_.push_back(Propose(choice));
     taken[choice.candidate] = true;
-    from.push_back(batch_.back().directions);
+    seconds.AddStart(batch_.back().directions);
     gain_.Suppose(choice.candidate);
   }
   OrderBatch();

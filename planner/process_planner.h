@@ -53,6 +53,8 @@ class ProcessPlanner final : public Planner {
   void Refit();
   std::string Enough() const;
   void ChooseBatch();
+  class SecondsTo;
+  ProcessGain::Choice ChooseBeside(const std::vector<bool>& taken, SecondsTo* seconds);
   void OrderBatch();
   int BatchSize() const;
   double TravelFrom(const DirectionPair& from, const DirectionPair& to) const;

@@ -9,6 +9,7 @@
 #include <span>
 
 #include "acquisition/session.h"
+#include "acquisition/session_costs.h"
 #include "apps/gonio/frontier_reconstruction.h"
 #include "apps/gonio/frontier_score.h"
 #include "brdf/open.h"
@@ -66,7 +67,9 @@ class Task {
     plan_.max_poses = budget;
     const RigFile& rig_file = session_.rig;
     const std::unique_ptr<Planner> planner =
-        MakePlanner(plan_, MeasurablePoses(rig_file.config, *truth_), session_.seed);
+        MakePlanner(plan_, {.reachable = MeasurablePoses(rig_file.config, *truth_),
+                            .costs = CostsOn(rig_file.config),
+                            .seed = session_.seed});
     OpenedRig rig = OpenRig(rig_file, *truth_, session_.seed);
     summary_ = RunSession({rig_file.config, rig.devices, *rig.clock, *planner}, {},
                           {.after_pose = {}, .now = now_});

@@ -7,6 +7,7 @@
 
 #include "acquisition/event_log.h"
 #include "acquisition/session.h"
+#include "acquisition/session_costs.h"
 #include "acquisition/sha256.h"
 #include "acquisition/time_estimate.h"
 #include "apps/gonio/build_rig.h"
@@ -49,7 +50,9 @@ Setup Prepare(const RunOptions& options) {
       LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);
   setup.material = OpenAny(setup.material_path);
   setup.planner =
-      MakePlanner(setup.plan, MeasurablePoses(setup.rig.config, *setup.material), options.seed);
+      MakePlanner(setup.plan, {.reachable = MeasurablePoses(setup.rig.config, *setup.material),
+                               .costs = CostsOn(setup.rig.config),
+                               .seed = options.seed});
   return setup;
 }
 

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acquisition/session.h"
+#include "acquisition/session_costs.h"
 #include "acquisition/time_estimate.h"
 #include "apps/gonio/build_rig.h"
 #include "apps/gonio/commands.h"
@@ -56,7 +57,9 @@ double MaleOf(const std::vector<BrdfSample>& samples, const Plan& plan, const Br
 Outcome RunOne(const SimulateOptions& options, const RigFile& rig_file, const NamedPlan& plan,
                const Brdf& material, std::uint64_t seed, const Interrupt& interrupt) {
   const std::unique_ptr<Planner> planner =
-      MakePlanner(plan.plan, MeasurablePoses(rig_file.config, material), seed);
+      MakePlanner(plan.plan, {.reachable = MeasurablePoses(rig_file.config, material),
+                              .costs = CostsOn(rig_file.config),
+                              .seed = seed});
   OpenedRig rig = OpenRig(rig_file, material, seed);
   const bool quiet = options.quiet || options.json == "-";
   ProgressLine line(fmt::format("{} on {}, seed {}", plan.name, material.name(), seed), quiet);

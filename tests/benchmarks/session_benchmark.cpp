@@ -29,7 +29,8 @@ SessionSummary RunOnce(std::uint64_t seed, const std::optional<std::filesystem::
   const Plan plan = LoadPlan(kConfigs + "plan-information.yaml");
   const Kinematics kinematics(rig);
   const auto planner = MakePlanner(
-      plan, [&](const DirectionPair& pair) { return kinematics.Reachable(pair); }, seed);
+      plan, {.reachable = [&](const DirectionPair& pair) { return kinematics.Reachable(pair); },
+             .seed = seed});
   ManualClock clock;
   const SimSetup setup{.axes = rig.axes, .home_limit = rig.motion.home_limit, .camera = rig.camera};
   SimDevices sim = MakeSimDevices(ReadSim(root), setup, SatinPaint(), clock, seed);

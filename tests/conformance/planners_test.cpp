@@ -3,6 +3,7 @@
 #include "core/units.h"
 #include "planner/plan.h"
 #include "tests/conformance/planner.h"
+#include "tests/fitting/training_set.h"
 
 namespace gonio {
 namespace {
@@ -21,9 +22,16 @@ candidates: {theta_h_count: 12, theta_d_count: 12}
 fit: {lobes: 2, knots: 4}
 )";
 
+// Learned once; planners only read it.
+std::shared_ptr<const PcaBasis> Basis() {
+  static const auto basis =
+      std::make_shared<const PcaBasis>(TrainingSet().materials(), AngleGrid(16, 10, 4));
+  return basis;
+}
+
 PlannerSubject Subject(const std::string& plan_text, const Reachable& reachable) {
   const Plan plan = ParsePlan(kRest + plan_text, "plan.yaml");
-  return {.planner = MakePlanner(plan, reachable, 7),
+  return {.planner = MakePlanner(plan, {.reachable = reachable, .pca = Basis(), .seed = 7}),
           .candidates = MakeCandidates(plan.candidates, reachable)};
 }
 
@@ -41,6 +49,13 @@ constexpr const char* kInformationToTheEnd =
     "planner: information\nmax_poses: 1000\ninformation: {min_gain: 0.01}\n";
 constexpr const char* kInformationToATarget =
     "planner: information\nmax_poses: 60\ninformation: {target_error: 0.02}\n";
+constexpr const char* kNielsen = "planner: nielsen\n";
+constexpr const char* kPivotedQr = "planner: pivoted-qr\nmax_poses: 40\n";
+constexpr const char* kFrost = "planner: frost\nmax_poses: 40\n";
+constexpr const char* kSlices = "planner: slices\nmax_poses: 30\n";
+constexpr const char* kSlicesToTheEnd = "planner: slices\n";
+constexpr const char* kHierarchical = "planner: hierarchical\nmax_poses: 30\n";
+constexpr const char* kHierarchicalToTheEnd = "planner: hierarchical\n";
 
 INSTANTIATE_TEST_SUITE_P(Grid, PlannerConformance, testing::Values(Of(kGrid)));
 INSTANTIATE_TEST_SUITE_P(Thinned, PlannerConformance, testing::Values(Of(kThinned)));
@@ -49,10 +64,18 @@ INSTANTIATE_TEST_SUITE_P(Random, PlannerConformance, testing::Values(Of(kRandom)
 INSTANTIATE_TEST_SUITE_P(Information, PlannerConformance,
                          testing::Values(Of(kInformation), Of(kInformationToTheEnd),
                                          Of(kInformationToATarget)));
+INSTANTIATE_TEST_SUITE_P(Lists, PlannerConformance,
+                         testing::Values(Of(kNielsen), Of(kPivotedQr), Of(kFrost)));
+INSTANTIATE_TEST_SUITE_P(Slices, PlannerConformance,
+                         testing::Values(Of(kSlices), Of(kSlicesToTheEnd)));
+INSTANTIATE_TEST_SUITE_P(Hierarchical, PlannerConformance,
+                         testing::Values(Of(kHierarchical), Of(kHierarchicalToTheEnd)));
 INSTANTIATE_TEST_SUITE_P(WithinReach, PlannerConformance,
                          testing::Values(Of(kGrid, WithinReach), Of(kThinned, WithinReach),
                                          Of(kCoarse, WithinReach), Of(kRandom, WithinReach),
-                                         Of(kInformation, WithinReach)));
+                                         Of(kInformation, WithinReach), Of(kNielsen, WithinReach),
+                                         Of(kPivotedQr, WithinReach), Of(kFrost, WithinReach),
+                                         Of(kSlices, WithinReach), Of(kHierarchical, WithinReach)));
 
 }  // namespace
 }  // namespace gonio

@@ -36,7 +36,8 @@ TEST(BadPlan, IsOfAnotherVersion) {
 
 TEST(BadPlan, NamesAnUnknownPlanner) {
   EXPECT_EQ(Complaint("version: 1\nname: x\nplanner: clever\n"),
-            "plan.yaml:3: planner: is \"clever\", must be one of grid, random, information");
+            "plan.yaml:3: planner: is \"clever\", must be one of frost, grid, "
+            "hierarchical, information, nielsen, pivoted-qr, random, slices");
 }
 
 TEST(BadPlan, HasABudgetOutOfRange) {

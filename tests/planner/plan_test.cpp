@@ -23,7 +23,7 @@ TEST(LoadPlan, ReadsTheDenseScan) {
   EXPECT_EQ(plan.kind, PlannerKind::kGrid);
   EXPECT_EQ(plan.max_poses, 0);
   EXPECT_EQ(plan.candidates.phi, PhiChoice::kAcross);
-  EXPECT_EQ(MakePlanner(plan, {}, 1)->MaxPoses(), 8100);
+  EXPECT_EQ(MakePlanner(plan, {})->MaxPoses(), 8100);
 }
 
 TEST(LoadPlan, ReadsTheThinnedScan) {
@@ -31,14 +31,14 @@ TEST(LoadPlan, ReadsTheThinnedScan) {
   EXPECT_EQ(plan.kind, PlannerKind::kGrid);
   EXPECT_EQ(plan.raster.every_theta_h, 3);
   EXPECT_EQ(plan.raster.every_theta_d, 1);
-  EXPECT_EQ(MakePlanner(plan, {}, 1)->MaxPoses(), 2700);
+  EXPECT_EQ(MakePlanner(plan, {})->MaxPoses(), 2700);
 }
 
 TEST(LoadPlan, ReadsTheRandomPlan) {
   const Plan plan = LoadPlan(Config("plan-random.yaml"));
   EXPECT_EQ(plan.kind, PlannerKind::kRandom);
   EXPECT_EQ(plan.max_poses, 100);
-  EXPECT_EQ(MakePlanner(plan, {}, 1)->MaxPoses(), 100);
+  EXPECT_EQ(MakePlanner(plan, {})->MaxPoses(), 100);
 }
 
 TEST(LoadPlan, ReadsTheInformationPlanAndKeepsItsText) {
@@ -49,7 +49,7 @@ TEST(LoadPlan, ReadsTheInformationPlanAndKeepsItsText) {
   EXPECT_EQ(plan.prior.name, "generic");
   EXPECT_EQ(plan.text, ReadTextFile(path));
   EXPECT_NO_THROW(plan.fit.Check());
-  EXPECT_EQ(MakePlanner(plan, {}, 1)->MaxPoses(), 100);
+  EXPECT_EQ(MakePlanner(plan, {})->MaxPoses(), 100);
 }
 
 TEST(LoadPlan, LooksForPriorFilesBesideThePlan) {
@@ -114,8 +114,7 @@ TEST(MakePlanner, RefusesARigThatReachesNothing) {
        {"plan-grid.yaml", "plan-thinned.yaml", "plan-random.yaml", "plan-information.yaml"}) {
     const Plan plan = LoadPlan(Config(name));
     EXPECT_EQ(MessageOf<ConfigError>([&] {
-                MakePlanner(
-                    plan, [](const DirectionPair&) { return false; }, 1);
+                MakePlanner(plan, {.reachable = [](const DirectionPair&) { return false; }});
               }),
               "plan " + plan.name +
                   ": the rig cannot reach any of its poses: check the rig's axis limits, "
@@ -128,7 +127,7 @@ TEST(MakePlanner, ProposesNothingOutOfReach) {
     return AngleBetween(pair.wi, pair.wo) > RadFromDeg(20);
   };
   for (const char* name : {"plan-grid.yaml", "plan-random.yaml"}) {
-    const auto planner = MakePlanner(LoadPlan(Config(name)), reachable, 1);
+    const auto planner = MakePlanner(LoadPlan(Config(name)), {.reachable = reachable});
     while (const auto next = planner->Next()) {
       EXPECT_TRUE(reachable(next->directions));
       planner->Observe(*next, {});
@@ -139,7 +138,7 @@ TEST(MakePlanner, ProposesNothingOutOfReach) {
 TEST(MakePlanner, GivesTheRandomPlanItsSeed) {
   const Plan plan = LoadPlan(Config("plan-random.yaml"));
   const auto first = [&](std::uint64_t seed) {
-    return MakePlanner(plan, {}, seed)->Next()->candidate;
+    return MakePlanner(plan, {.seed = seed})->Next()->candidate;
   };
   EXPECT_EQ(first(1), first(1));
   EXPECT_NE(first(1), first(2));
@@ -148,7 +147,50 @@ TEST(MakePlanner, GivesTheRandomPlanItsSeed) {
 TEST(MakePlanner, PutsTheBudgetIntoTheRaster) {
   Plan plan = LoadPlan(Config("plan-grid.yaml"));
   plan.max_poses = 100;
-  EXPECT_EQ(MakePlanner(plan, {}, 1)->MaxPoses(), 100);
+  EXPECT_EQ(MakePlanner(plan, {})->MaxPoses(), 100);
+}
+
+Plan Minimal(const std::string& kind, const std::string& rest = "") {
+  return ParsePlan("version: 1\nname: x\nplanner: " + kind + "\n" + rest, "plan.yaml");
+}
+
+TEST(ParsePlan, KnowsTheOtherPlannersAndTheirKeys) {
+  EXPECT_EQ(Minimal("nielsen").kind, PlannerKind::kNielsen);
+  EXPECT_EQ(Minimal("hierarchical").kind, PlannerKind::kHierarchical);
+  EXPECT_EQ(Minimal("pivoted-qr", "max_poses: 9\n").max_poses, 9);
+  EXPECT_EQ(Minimal("frost", "max_poses: 9\n").kind, PlannerKind::kFrost);
+  const Plan slices =
+      Minimal("slices", "slices: {floor_per_sr: 0.5, curiosity: 0.25, borrowed: 0.75}\n");
+  EXPECT_EQ(slices.kind, PlannerKind::kSlices);
+  EXPECT_EQ(slices.slices.floor, 0.5);
+  EXPECT_EQ(slices.slices.curiosity, 0.25);
+  EXPECT_EQ(slices.slices.borrowed, 0.75);
+  EXPECT_THROW(Minimal("frost"), ConfigError);  // its directions depend on the budget
+  EXPECT_THROW(Minimal("nielsen", "slices: {curiosity: 1}\n"), ConfigError);
+}
+
+TEST(MakePlanner, SaysWhenTrainingMaterialsAreMissing) {
+  for (const char* kind : {"pivoted-qr", "frost"}) {
+    EXPECT_EQ(MessageOf<ConfigError>([&] { MakePlanner(Minimal(kind, "max_poses: 5\n"), {}); }),
+              "plan x: its directions are computed from training materials, and none were given");
+  }
+}
+
+TEST(MakePlanner, HasFiveNielsenPosesAtMost) {
+  EXPECT_EQ(MakePlanner(Minimal("nielsen"), {})->MaxPoses(), 5);
+  EXPECT_EQ(MakePlanner(Minimal("nielsen", "max_poses: 3\n"), {})->MaxPoses(), 3);
+}
+
+TEST(MakePlanner, GivesTheHierarchicalPlanItsTravelTime) {
+  // Moving the detector is what takes time on this rig.
+  const TravelTime travel = [](const DirectionPair& from, const DirectionPair& to) {
+    return AngleBetween(from.wo, to.wo);
+  };
+  const auto planner = MakePlanner(Minimal("hierarchical"), {.costs = {.travel = travel}});
+  const auto first = planner->Next();
+  planner->Observe(*first, {});
+  const auto second = planner->Next();
+  EXPECT_DOUBLE_EQ(second->score, -travel(first->directions, second->directions));
 }
 
 TEST(OpenPrior, KnowsTheGenericOneAndFiles) {

@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a planner is told about the seconds poses take on a rig.
+
+#pragma once
+
+#include "acquisition/rig.h"
+#include "planner/planner.h"
+
+namespace gonio {
+
+// travel: the slowest axis of the move (acquisition/kinematics.h). A pair of directions leaves the
+// arms' common azimuth and the side of the mirrored pair open; `from` stands where it would be
+// reached soonest from all axes at zero. Only where an azimuth's limits force a detour does a
+// session, whose arms come from somewhere else, take another time. Poses out of reach cost nothing.
+//
+// pose: settling, one frame exposed as a session exposes where it expects this f_r, and its
+// read-out. Further frames, monitor readings and retries are not foreseen.
+//
+// Each function remembers its last answers: for one thread, and the copies of a function too.
+SessionCosts CostsOn(const RigConfig& rig);
+
+}  // namespace gonio
