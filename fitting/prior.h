@@ -28,6 +28,9 @@ struct Prior {
   std::shared_ptr<const ProcessPrior> process;
 };
 
+// Whether the prior was learned from a material of this name: judged on that it looks too good.
+bool HasSeen(const Prior& prior, const std::string& material);
+
 // The built-in prior: no material was used to make it; its assumptions stand in docs/fitting.md.
 Prior GenericPrior(const DsbrdfShape& shape = {});
 

@@ -49,6 +49,7 @@ Setup Prepare(const RunOptions& options) {
   setup.material_path =
       LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);
   setup.material = OpenAny(setup.material_path);
+  WarnIfSeen(setup.plan.prior, setup.material_path.stem().string());
   setup.planner =
       MakePlanner(setup.plan, {.reachable = MeasurablePoses(setup.rig.config, *setup.material),
                                .costs = CostsOn(setup.rig.config),
