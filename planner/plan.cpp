@@ -51,11 +51,11 @@ void ReadFit(const ConfigNode& root, Plan* plan) {
     fit.model_error_weight =
         node.NumberOr("model_error_weight", fit.model_error_weight, Range::NonNegative());
     fit.max_iterations = node.IntegerOr("max_iterations", fit.max_iterations, 1, 10000);
-    if (prior != "generic" && (node.Has("lobes") || node.Has("knots"))) {
+    if (!IsBuiltInPrior(prior) && (node.Has("lobes") || node.Has("knots"))) {
       node.Fail("prior", "a prior file brings its own lobes and knots; leave those keys out");
     }
   }
-  if (prior != "generic" && std::filesystem::path(prior).is_relative()) {
+  if (!IsBuiltInPrior(prior) && std::filesystem::path(prior).is_relative()) {
     prior = (std::filesystem::path(root.file()).parent_path() / prior).string();
   }
   plan->prior = OpenPrior(prior, shape);
@@ -81,7 +81,10 @@ void ReadInformation(const ConfigNode& root, InformationOptions* options) {
 
 }  // namespace
 
+bool IsBuiltInPrior(const std::string& name) { return name == "none" || name == "generic"; }
+
 Prior OpenPrior(const std::string& name, const DsbrdfShape& shape) {
+  if (name == "none") return NoPrior(shape);
   return name == "generic" ? GenericPrior(shape) : ReadPrior(name);
 }
 
@@ -116,6 +119,17 @@ Plan LoadPlan(const std::filesystem::path& path) {
 
 namespace {
 
+std::vector<Candidate> OfferedBy(const Plan& plan, const CandidateOptions& options,
+                                 const Reachable& reachable) {
+  std::vector<Candidate> candidates = MakeCandidates(options, reachable);
+  if (candidates.empty()) {
+    throw ConfigError("plan " + plan.name +
+                      ": the rig cannot reach any of its poses: check the rig's axis limits, "
+                      "geometry.max_polar_deg and geometry.min_separation_deg");
+  }
+  return candidates;
+}
+
 // Where a process was learned it plans: it sees all three angles, so cells get several phi_d.
 std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const Reachable& reachable) {
   CandidateOptions candidates = plan.candidates;
@@ -129,19 +143,14 @@ std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const Reachable& r
   options.gain.max_polar = plan.information.gain.max_polar;
   options.gain.relative_noise = plan.information.gain.relative_noise;
   options.prior = plan.prior.process;
-  return std::make_unique<ProcessPlanner>(MakeCandidates(candidates, reachable), options);
+  return std::make_unique<ProcessPlanner>(OfferedBy(plan, candidates, reachable), options);
 }
 
 }  // namespace
 
 std::unique_ptr<Planner> MakePlanner(const Plan& plan, const Reachable& reachable,
                                      std::uint64_t seed) {
-  std::vector<Candidate> candidates = MakeCandidates(plan.candidates, reachable);
-  if (candidates.empty()) {
-    throw ConfigError("plan " + plan.name +
-                      ": the rig cannot reach any of its poses: check the rig's axis limits, "
-                      "geometry.max_polar_deg and geometry.min_separation_deg");
-  }
+  std::vector<Candidate> candidates = OfferedBy(plan, plan.candidates, reachable);
   switch (plan.kind) {
     case PlannerKind::kGrid: {
       RasterOptions raster = plan.raster;

@@ -37,7 +37,9 @@ Plan LoadPlan(const std::filesystem::path& path);
 // `name` stands for the file in messages, and relative prior files are looked for beside it.
 Plan ParsePlan(const std::string& text, const std::string& name);
 
-// The prior a user names: "generic", or a prior file. `shape` is used by the generic one only.
+// The prior a user names: "none" (NoPrior()), "generic" (GenericPrior()), or a prior file. `shape`
+// is for the first two.
+bool IsBuiltInPrior(const std::string& name);
 Prior OpenPrior(const std::string& name, const DsbrdfShape& shape);
 
 // The planner of a plan over the candidates `reachable` leaves. Throws ConfigError if it leaves

@@ -30,7 +30,7 @@ struct RunOptions {
   std::filesystem::path out;
   int max_poses = 0;  // 0: the plan's
   std::uint64_t seed = 1;
-  std::string prior;  // "generic", a prior file, or empty: the plan's
+  std::string prior;  // "none", "generic", a prior file, or empty: the plan's
   bool quiet = false;
 };
 int RunCommand(const RunOptions& options);

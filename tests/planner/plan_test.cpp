@@ -151,7 +151,34 @@ TEST(MakePlanner, PutsTheBudgetIntoTheRaster) {
   EXPECT_EQ(MakePlanner(plan, {}, 1)->MaxPoses(), 100);
 }
 
-TEST(OpenPrior, KnowsTheGenericOneAndFiles) {
+// The process is offered other phi_d than the plan itself, and might be left with none.
+TEST(MakePlanner, RefusesAProcessWithoutCandidates) {
+  Plan plan = LoadPlan(Config("plan-information.yaml"));
+  auto process = std::make_shared<ProcessPrior>();
+  const int size = process->basis.size();
+  process->mean.setZero(size);
+  process->luminance = process->chroma = Eigen::MatrixXd::Constant(size, 1, 0.1);
+  process->stationary_luminance = process->stationary_chroma = Eigen::VectorXd::Zero(size);
+  plan.prior.process = process;
+  plan.candidates.theta_h_count = plan.candidates.theta_d_count = 1;
+  const auto none = [](const DirectionPair&) { return false; };
+  const double phi_d = MakeCandidates(plan.candidates, {}).front().angles.phi_d;
+  const auto only_the_plans = [&](const DirectionPair& pair) {
+    return std::abs(ToHalfDiff(pair).phi_d - phi_d) < 1e-6;
+  };
+  const std::string why =
+      "plan information: the rig cannot reach any of its poses: check the "
+      "rig's axis limits, geometry.max_polar_deg and "
+      "geometry.min_separation_deg";
+  EXPECT_EQ(MessageOf<ConfigError>([&] { MakePlanner(plan, none, 1); }), why);
+  EXPECT_EQ(MessageOf<ConfigError>([&] { MakePlanner(plan, only_the_plans, 1); }), why);
+  plan.prior.process = nullptr;
+  EXPECT_NO_THROW(MakePlanner(plan, only_the_plans, 1));
+}
+
+TEST(OpenPrior, KnowsTheBuiltInOnesAndFiles) {
+  EXPECT_EQ(OpenPrior("none", DsbrdfShape{2, 6}).name, "none");
+  EXPECT_EQ(OpenPrior("none", DsbrdfShape{2, 6}).shape, (DsbrdfShape{2, 6}));
   EXPECT_EQ(OpenPrior("generic", DsbrdfShape{2, 6}).shape, (DsbrdfShape{2, 6}));
   EXPECT_EQ(MessageOf<ConfigError>([] { OpenPrior("no/prior.yaml", DsbrdfShape{}); }),
             "no/prior.yaml: cannot read: No such file or directory");
