@@ -114,6 +114,13 @@ Prior GenericPrior(const DsbrdfShape& shape) {
   return prior;
 }
 
+Prior NoPrior(const DsbrdfShape& shape) {
+  Prior prior = GenericPrior(shape);
+  prior.name = "none";
+  prior.covariance *= kUnbelief * kUnbelief;
+  return prior;
+}
+
 Prior ReadPrior(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::Load(path);
   root.Choice("format", {"gonio-prior"});

@@ -13,7 +13,7 @@ namespace {
 
 using Action = std::function<int()>;
 
-constexpr const char* kPrior = "\"generic\" or a prior file";
+constexpr const char* kPrior = "\"none\", \"generic\" or a prior file";
 
 Action SetUpRun(CLI::App& app) {
   auto o = std::make_shared<RunOptions>();

@@ -68,7 +68,7 @@ SessionInfo Describe(const RunOptions& options, const Setup& setup, const Device
   info.plan_text = setup.plan.text;
   info.prior_name = setup.plan.prior.name;
   info.prior_spec = options.prior;
-  if (!options.prior.empty() && options.prior != "generic") {
+  if (!options.prior.empty() && !IsBuiltInPrior(options.prior)) {
     info.prior_spec = fs::absolute(options.prior).string();
   }
   info.prior_sha256 = HashOf(setup.plan.prior);
