@@ -149,6 +149,22 @@ TEST(LearnPrior, RefusesTooFewAndTheSameTwice) {
             "a: is named twice among the materials");
 }
 
+TEST(LearnPrior, LearnsFromGreyMaterialsToo) {
+  std::vector<AnalyticBrdf> greys;
+  for (const double albedo : {0.1, 0.2, 0.4}) {
+    greys.emplace_back("grey", std::vector<Layer>{Lambert{{albedo, albedo, albedo}}});
+  }
+  const std::vector<TrainingMaterial> materials = {
+      {"a", &greys[0]}, {"b", &greys[1]}, {"c", &greys[2]}};
+  const TempDir dir;
+  WritePrior(dir / "prior.yaml", LearnPrior(materials, SmallLearnOptions()));
+  const Prior read = ReadPrior(dir / "prior.yaml");
+  const AnalyticBrdf unseen("unseen", std::vector<Layer>{Lambert{{0.3, 0.3, 0.3}}});
+  const HalfDiff angles{0.3, 0.5, 1};
+  const Rgb found = *FitProcess(Readings(unseen, 12, 0.01), read)->Eval(angles);
+  EXPECT_LT((found / *unseen.Eval(angles) - 1).abs().maxCoeff(), 0.05);
+}
+
 TEST(PriorFile, KeepsAProcessToFourDigits) {
   const TempDir dir;
   WritePrior(dir / "prior.yaml", Learned());
