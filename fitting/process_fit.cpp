@@ -44,8 +44,8 @@ ProcessFit::ProcessFit(std::shared_ptr<const ProcessModel> model, const ProcessP
       groups_(posterior.groups()),
       model_error_(options.model_error) {}
 
-Eigen::Array3d ProcessFit::MeanAt(const HalfDiff& angles) const {
-  return (model_->transform().transpose() * model_->SeriesAt(angles, field_)).array();
+Eigen::Vector3d ProcessFit::MeanAt(const HalfDiff& angles) const {
+  return model_->transform().transpose() * model_->SeriesAt(angles, field_);
 }
 
 std::optional<Rgb> ProcessFit::Eval(const HalfDiff& angles) const {
@@ -53,12 +53,7 @@ std::optional<Rgb> ProcessFit::Eval(const HalfDiff& angles) const {
   double cos_o = 0;
   Cosines(angles, &cos_i, &cos_o);
   if (!(cos_i > 0 && cos_o > 0)) return std::nullopt;
-  const Eigen::Array3d z = MeanAt(angles);
-  Rgb f_r;
-  for (int c = 0; c < kChannels; ++c) {
-    f_r[c] = std::max(FromGeneralisedLog(z[c], model_->floor()), 0.0);
-  }
-  return f_r;
+  return model_->ReflectanceOf(MeanAt(angles));
 }
 
 Rgb ProcessFit::SpreadAt(const HalfDiff& angles) const {
@@ -75,10 +70,9 @@ Rgb ProcessFit::SpreadAt(const HalfDiff& angles) const {
 
 Prediction ProcessFit::Predict(const HalfDiff& angles) const {
   const Rgb spread = SpreadAt(angles);
-  const Eigen::Array3d z = MeanAt(angles);
   Prediction prediction;
+  prediction.f_r = model_->ReflectanceOf(MeanAt(angles));
   for (int c = 0; c < kChannels; ++c) {
-    prediction.f_r[c] = std::max(FromGeneralisedLog(z[c], model_->floor()), 0.0);
     prediction.sigma[c] = spread[c] / GeneralisedLogSlope(prediction.f_r[c], model_->floor());
   }
   return prediction;
@@ -88,15 +82,9 @@ Interval ProcessFit::PredictInterval(const HalfDiff& angles, double probability)
   GONIO_CHECK(probability > 0 && probability < 1, "a probability");
   const double reach =
       CentralQuantile(probability) * WideningAt(model_->calibration(), probability);
-  const Rgb spread = SpreadAt(angles);
-  const Eigen::Array3d z = MeanAt(angles);
-  Interval interval;
-  for (int c = 0; c < kChannels; ++c) {
-    const double floor = model_->floor();
-    interval.low[c] = std::max(FromGeneralisedLog(z[c] - reach * spread[c], floor), 0.0);
-    interval.high[c] = std::max(FromGeneralisedLog(z[c] + reach * spread[c], floor), 0.0);
-  }
-  return interval;
+  const Eigen::Vector3d away = reach * SpreadAt(angles).matrix();
+  const Eigen::Vector3d z = MeanAt(angles);
+  return {model_->ReflectanceOf(z - away), model_->ReflectanceOf(z + away)};
 }
 
 ProcessReading ToReading(const ProcessModel& model, const BrdfSample& sample) {

@@ -30,7 +30,7 @@ class ProcessFit final : public Estimate {
   Rgb SpreadAt(const HalfDiff& angles) const;
 
  private:
-  Eigen::Array3d MeanAt(const HalfDiff& angles) const;  // of z
+  Eigen::Vector3d MeanAt(const HalfDiff& angles) const;  // of z
 
   std::shared_ptr<const ProcessModel> model_;
   Eigen::MatrixXd field_;

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fitting/process_material.h"
 
-#include <algorithm>
 #include <utility>
-
-#include "fitting/generalised_log.h"
 
 namespace gonio {
 
@@ -19,11 +16,7 @@ std::optional<Rgb> ProcessMaterial::Eval(const HalfDiff& angles) const {
   Cosines(angles, &cos_i, &cos_o);
   if (!(cos_i > 0 && cos_o > 0)) return std::nullopt;
   const Eigen::Vector3d z = model_->transform().transpose() * model_->SeriesAt(angles, field_);
-  Rgb f_r;
-  for (int c = 0; c < kChannels; ++c) {
-    f_r[c] = std::max(FromGeneralisedLog(z[c], model_->floor()), 0.0);
-  }
-  return f_r;
+  return model_->ReflectanceOf(z);
 }
 
 }  // namespace gonio

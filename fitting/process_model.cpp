@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fitting/process_model.h"
 
+#include <algorithm>
+
+#include "fitting/generalised_log.h"
+
 namespace gonio {
 namespace {
 
@@ -36,6 +40,12 @@ ProcessModel::ProcessModel(const ProcessPrior& prior)
               .series = 2,
               .learned = static_cast<int>(prior.chroma.cols()),
               .size = static_cast<int>(components_[1].cols())}};
+}
+
+Rgb ProcessModel::ReflectanceOf(const Eigen::Vector3d& z) const {
+  Rgb f_r;
+  for (int c = 0; c < kChannels; ++c) f_r[c] = std::max(FromGeneralisedLog(z[c], floor_), 0.0);
+  return f_r;
 }
 
 ProcessModel::Place ProcessModel::At(const HalfDiff& angles) const {

@@ -45,6 +45,9 @@ class ProcessModel {
   const std::vector<Calibration>& calibration() const { return calibration_; }
   double error_margin() const { return error_margin_; }
 
+  // f_r of the three channels whose z these are, never negative.
+  Rgb ReflectanceOf(const Eigen::Vector3d& z) const;
+
   Place At(const HalfDiff& angles) const;
   // Coefficients of the three series' means where their weights are these: a column for each.
   Eigen::MatrixXd FieldOf(const std::array<Eigen::VectorXd, kChannels>& weights) const;

@@ -220,10 +220,12 @@ Plan LoadPlan(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inputs) {
+  if (plan.kind == PlannerKind::kInformation && plan.prior.process) {
+    return MakeProcessPlanner(plan, inputs);
+  }
   std::vector<Candidate> candidates = OfferedBy(plan, plan.candidates, inputs.reachable);
   switch (plan.kind) {
     case PlannerKind::kInformation: {
-      if (plan.prior.process) return MakeProcessPlanner(plan, inputs);
       InformationOptions options = plan.information;
       options.max_poses = plan.max_poses;
       options.prior = plan.prior;

@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/check.h"
 #include "core/task_pool.h"
 #include "core/units.h"
 #include "fitting/generalised_log.h"
@@ -27,6 +28,7 @@ struct Trial {
 };
 
 double WeightedQuantile(std::vector<Weighted> values, double share) {
+  GONIO_CHECK(!values.empty(), "a quantile of something");
   std::sort(values.begin(), values.end());
   double total = 0;
   for (const Weighted& value : values) total += value.second;

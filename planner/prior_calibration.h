@@ -28,7 +28,7 @@ struct CalibrationOptions {
 //
 // With fewer than kLeastToCalibrate materials quantiles would say little: what LearnPrior() says is
 // returned. Throws what LearnPrior() throws. Deterministic, whatever the number of threads. About
-// 1 s a material.
+// 1.5 s a material.
 inline constexpr int kLeastToCalibrate = 10;
 Prior LearnCalibratedPrior(std::span<const TrainingMaterial> materials,
                            const LearnOptions& learn = {}, const CalibrationOptions& options = {});

@@ -14,6 +14,8 @@ namespace {
 // Of the coarse candidates, so many lead to a closer look around them.
 constexpr int kLeaders = 6;
 constexpr int kReach = 2;  // raster cells around a leader
+// Of z: what is known better counts as known so well. Spreads can be 0 without model error.
+constexpr double kLeastSpread = 1e-3;
 
 // The objective's quantity at z = glog(f_r).
 double Quantity(Objective objective, double z, double cosine, double floor) {
@@ -24,7 +26,7 @@ double Quantity(Objective objective, double z, double cosine, double floor) {
 // How much it changes with z, on average within a standard deviation: where little is known yet, a
 // dark prediction must not make light of what may be bright.
 double Sensitivity(Objective objective, double z, double sd, double cosine, double floor) {
-  const double reach = std::max(sd, 1e-3);
+  const double reach = std::max(sd, kLeastSpread);
   return (Quantity(objective, z + reach, cosine, floor) -
           Quantity(objective, z - reach, cosine, floor)) /
          (2 * reach);
@@ -131,7 +133,7 @@ void ProcessGain::SetObjective(const ProcessPosterior& posterior, const ProcessO
       const double weight = targets_[i].weight / kChannels * g;
       // How fast the mean absolute error falls with variance. Summing variances instead would send
       // most of the first poses into the highlight, where little is known of little.
-      slope[c] = weight / sd;
+      slope[c] = weight / std::max(sd, kLeastSpread);
       // Mean absolute value of a Gaussian: sqrt(2 / pi) sigma.
       predicted_error_ += weight * std::sqrt(2 / kPi) * sd;
       floor_error_ += weight * std::sqrt(2 / kPi * least[c]);

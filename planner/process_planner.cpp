@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "core/check.h"
-#include "fitting/generalised_log.h"
 
 namespace gonio {
 namespace {
@@ -111,14 +110,17 @@ double ProcessPlanner::PoseTime(const DirectionPair& pair) const {
 }
 
 // The next of a batch that has these: the most gain for its seconds, or the most where that would
-// end the session although there is more to gain farther away.
+// end the session although there is more to gain farther away. The first poses are few and all the
+// others lean on them, so for them time does not count.
 ProcessGain::Choice ProcessPlanner::ChooseBeside(const std::vector<bool>& taken,
                                                  SecondsTo* seconds) {
+  const auto alike = [](const Candidate&) { return 1.0; };
+  if (measured_ < kSingle) return gain_.Best(taken, alike);
   const ProcessGain::Choice choice = gain_.Best(taken, [&](const Candidate& candidate) {
     return seconds->Of(static_cast<std::size_t>(&candidate - gain_.candidates().data()));
   });
   if (choice.candidate < 0 || choice.gain >= options_.min_gain) return choice;
-  return gain_.Best(taken, [](const Candidate&) { return 1.0; });
+  return gain_.Best(taken, alike);
 }
 
 void ProcessPlanner::ChooseBatch() {
@@ -200,12 +202,7 @@ void ProcessPlanner::Reject(const Proposal& proposal) {
 
 std::optional<Rgb> ProcessPlanner::Predict(const DirectionPair& pair) const {
   if (!posterior_) return std::nullopt;
-  const Eigen::Vector3d z = posterior_->Mean(model_->At(ToHalfDiff(pair)));
-  Rgb f_r;
-  for (int c = 0; c < kChannels; ++c) {
-    f_r[c] = std::max(FromGeneralisedLog(z[c], model_->floor()), 0.0);
-  }
-  return f_r;
+  return model_->ReflectanceOf(posterior_->Mean(model_->At(ToHalfDiff(pair))));
 }
 
 }  // namespace gonio

@@ -29,8 +29,9 @@ struct ProcessPlannerOptions {
 // largest expected gain (planner/process_gain.h) per second of travel, settling and exposure; never
 // one that was measured before. Where no costs are given a second is a pose.
 //
-// Early poses are chosen one by one; later ones in batches that grow to max_batch, since one more
-// reading then changes little, and the batch is visited in the order that is quickest.
+// Early poses are chosen one by one, whatever time they take: all later ones lean on them. Then
+// batches grow to max_batch, since one more reading changes little, and a batch is visited in the
+// order that is quickest.
 //
 // Nothing is random. Fitting happens in Next(): a few tens of milliseconds per batch.
 class ProcessPlanner final : public Planner {

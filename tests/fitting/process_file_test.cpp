@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSize = 64;  // of 4 x 4 knots
 
-// Numbers that five digits hold.
+// Numbers that four digits hold.
 Prior SmallPrior() {
   auto process = std::make_shared<ProcessPrior>();
   process->basis = ProcessBasis(4, 4);
