@@ -63,7 +63,7 @@ using ProgressFunction = std::function<void(const Progress&)>;
 struct SessionPose {
   BrdfSample sample;
   Seconds end{0};                         // session clock
-  std::optional<double> predicted_error;  // after this pose
+  std::optional<double> predicted_error;  // of the planner's last fit before it
 };
 
 struct SessionSummary {

@@ -12,6 +12,7 @@
 #include "acquisition/session_costs.h"
 #include "apps/gonio/frontier_reconstruction.h"
 #include "apps/gonio/frontier_score.h"
+#include "apps/gonio/summary.h"
 #include "brdf/open.h"
 #include "core/error.h"
 
@@ -111,13 +112,9 @@ class Task {
     std::map<int, double> known;  // errors by poses
     for (const double target : session_.study.targets) {
       FrontierStop stop{.target = target};
-      const auto at =
-          std::find_if(summary_.poses.begin(), summary_.poses.end(), [&](const SessionPose& pose) {
-            return pose.predicted_error && *pose.predicted_error <= target;
-          });
-      if (at != summary_.poses.end()) {
-        stop.poses = static_cast<int>(at - summary_.poses.begin()) + 1;
-        stop.minutes = at->end.count() / 60;
+      stop.poses = PosesToStop(summary_, target);
+      if (stop.poses > 0) {
+        stop.minutes = summary_.poses[stop.poses - 1].end.count() / 60;
         if (known.count(stop.poses) == 0) known[stop.poses] = Row(stop.poses).male;
         stop.male = known[stop.poses];
       }

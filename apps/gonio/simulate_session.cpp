@@ -9,6 +9,7 @@
 
 #include "acquisition/session_costs.h"
 #include "apps/gonio/frontier_summary.h"
+#include "apps/gonio/summary.h"
 #include "brdf/metrics.h"
 #include "fitting/fit.h"
 #include "fitting/process_fit.h"
@@ -29,18 +30,6 @@ double MaleOf(std::span<const BrdfSample> samples, const Plan& plan, const Brdf&
     return Compare(material, *FitProcess(samples, plan.prior), metrics).male;
   }
   return Compare(material, FitDsbrdf(samples, plan.prior, plan.fit), metrics).male;
-}
-
-// After so many poses a planner with this target would have gone on no more; 0: never. What is
-// predicted after a pose was known before it: planners fit when they are asked for the next one.
-int PosesToStop(const SessionSummary& summary, double target) {
-  const auto within = [&](const std::optional<double>& error) { return error && *error <= target; };
-  const auto& poses = summary.poses;
-  const auto at = std::find_if(poses.begin(), poses.end(), [&](const SessionPose& pose) {
-    return within(pose.predicted_error);
-  });
-  if (at != poses.end()) return static_cast<int>(at - poses.begin());
-  return within(summary.predicted_error) ? static_cast<int>(poses.size()) : 0;
 }
 
 // Numbers of poses after which the true error is looked at, ascending.

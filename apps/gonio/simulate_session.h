@@ -45,7 +45,7 @@ struct SimulatedSession {
   double male = kUnknown;  // unless complete, with a pose
   std::optional<double> predicted_error{};
   std::string reason{};
-  SessionOutcome outcome = SessionOutcome::kComplete;
+  SessionOutcome outcome = SessionOutcome::kStopped;  // before it began, too
   // Empty: not within the budget, or there is no target.
   std::optional<Reached> by_predicted{};  // where the planner would have stopped
   std::optional<Reached> by_true{};       // where the fit was first that good

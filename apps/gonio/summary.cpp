@@ -39,6 +39,16 @@ void WarnIfSeen(const Prior& prior, const std::string& material) {
              prior.name, material);
 }
 
+int PosesToStop(const SessionSummary& summary, double target) {
+  const auto within = [&](const std::optional<double>& error) { return error && *error <= target; };
+  const auto& poses = summary.poses;
+  const auto at = std::find_if(poses.begin(), poses.end(), [&](const SessionPose& pose) {
+    return within(pose.predicted_error);
+  });
+  if (at != poses.end()) return static_cast<int>(at - poses.begin());
+  return within(summary.predicted_error) ? static_cast<int>(poses.size()) : 0;
+}
+
 int ExitCodeOf(SessionOutcome outcome) {
   switch (outcome) {
     case SessionOutcome::kComplete:

@@ -25,6 +25,11 @@ MetricOptions AllCores();
 // Warns on standard error if the prior was learned from a material of this name.
 void WarnIfSeen(const Prior& prior, const std::string& material);
 
+// After so many poses a planner with this target would have gone on no more; 0: never. What is
+// predicted when a pose has been measured was known before it: planners fit when they are asked for
+// the next one.
+int PosesToStop(const SessionSummary& summary, double target);
+
 // The exit code (commands.h) of `gonio` for the way a session ended.
 int ExitCodeOf(SessionOutcome outcome);
 
