@@ -20,7 +20,8 @@ const char* const kUnevenRigFile = GONIO_SOURCE_DIR "/configs/rig-rt300s.yaml";
 RigConfig UnevenRig() { return ReadRig(ConfigNode::Load(kUnevenRigFile), ""); }
 
 DirectionPair At(double incidence_deg, double receiver_deg) {
-  return {FromSpherical(RadFromDeg(incidence_deg), 0), FromSpherical(RadFromDeg(receiver_deg), kPi)};
+  return {FromSpherical(RadFromDeg(incidence_deg), 0),
+          FromSpherical(RadFromDeg(receiver_deg), kPi)};
 }
 
 TEST(CostsOn, KnowsWhichAxisIsDear) {
@@ -29,7 +30,8 @@ TEST(CostsOn, KnowsWhichAxisIsDear) {
   EXPECT_GT(costs.travel(At(30, 30), At(40, 30)), 60);
   EXPECT_EQ(costs.travel(At(30, 30), At(30, 30)), 0);
   // Asked before or not.
-  EXPECT_EQ(costs.travel(At(30, 30), At(40, 30)), CostsOn(UnevenRig()).travel(At(30, 30), At(40, 30)));
+  EXPECT_EQ(costs.travel(At(30, 30), At(40, 30)),
+            CostsOn(UnevenRig()).travel(At(30, 30), At(40, 30)));
 }
 
 TEST(CostsOn, CountsSettlingExposureAndReadOut) {
@@ -55,8 +57,8 @@ Result Measure(const Plan& plan, const RigConfig& rig, const SimConfig& truth) {
       plan, {.reachable = [&](const DirectionPair& pair) { return kinematics.Reachable(pair); },
              .costs = CostsOn(rig)});
   SimulatedRig simulated(sample, 1, rig, truth);
-  const SessionSummary summary =
-      RunSession({simulated.rig, simulated.devices, simulated.clock, *planner, nullptr}, {}, {}, {});
+  const SessionSummary summary = RunSession(
+      {simulated.rig, simulated.devices, simulated.clock, *planner, nullptr}, {}, {}, {});
   EXPECT_EQ(summary.poses.size(), plan.max_poses);
   return {(summary.duration - summary.preparation).count() / 60,
           Compare(sample, *FitProcess(summary.Samples(), plan.prior),
