@@ -3,15 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <exception>
 #include <set>
-#include <thread>
 #include <vector>
 
 #include "core/error.h"
+#include "core/task_pool.h"
 
 namespace gonio {
 namespace {
@@ -29,29 +26,12 @@ void RequireDistinct(std::span<const TrainingMaterial> materials) {
   }
 }
 
-// Each material in the basis, in order; the first failure, in order, is thrown.
+// Each material in the basis, in order.
 std::vector<MaterialField> SampleAll(const FieldSampler& sampler,
                                      std::span<const TrainingMaterial> materials, int threads) {
   std::vector<MaterialField> fields(materials.size());
-  std::vector<std::exception_ptr> failures(materials.size());
-  std::atomic<std::size_t> next{0};
-  const auto work = [&] {
-    for (std::size_t i = next++; i < materials.size(); i = next++) {
-      try {
-        fields[i] = sampler.Sample(materials[i]);
-      } catch (...) {
-        failures[i] = std::current_exception();
-      }
-    }
-  };
-  {
-    std::vector<std::jthread> others;
-    for (int t = 1; t < threads; ++t) others.emplace_back(work);
-    work();
-  }
-  for (const std::exception_ptr& failure : failures) {
-    if (failure) std::rethrow_exception(failure);
-  }
+  ForEachTask(materials.size(), threads, {},
+              [&](std::size_t i) { fields[i] = sampler.Sample(materials[i]); });
   return fields;
 }
 

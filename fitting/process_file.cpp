@@ -47,6 +47,7 @@ void WriteProcess(std::ostream& out, const ProcessPrior& process) {
   WriteRounded(out, "stationary_chroma", process.stationary_chroma);
   WriteRounded(out, "luminance", process.luminance);
   WriteRounded(out, "chroma", process.chroma);
+  out << fmt::format("  error_margin: {:.5g}\n", process.error_margin);
   if (process.calibration.empty()) return;
   Eigen::Matrix2Xd calibration(2, static_cast<Eigen::Index>(process.calibration.size()));
   for (Eigen::Index i = 0; i < calibration.cols(); ++i) {
@@ -72,6 +73,7 @@ std::shared_ptr<const ProcessPrior> ReadProcess(const ConfigNode& node) {
   process->stationary_chroma = ReadMatrix(node, "stationary_chroma", size, 1, Range::NonNegative());
   process->luminance = ReadMatrix(node, "luminance", size, luminance);
   process->chroma = ReadMatrix(node, "chroma", size, chroma);
+  process->error_margin = node.Number("error_margin", Range::Positive());
   if (!node.Has("interval_probabilities")) return process;
   const std::vector<double> probabilities =
       node.Numbers("interval_probabilities", 0, Range::Between(0, 1));

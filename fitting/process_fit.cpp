@@ -11,9 +11,8 @@
 #include "fitting/generalised_log.h"
 
 namespace gonio {
-namespace {
 
-// x with P(|N(0, 1)| < x) = probability, by bisection: erf has no inverse in the library.
+// By bisection: erf has no inverse in the library.
 double CentralQuantile(double probability) {
   double low = 0;
   double high = 40;
@@ -23,8 +22,6 @@ double CentralQuantile(double probability) {
   }
   return low;
 }
-
-}  // namespace
 
 double WideningAt(const std::vector<Calibration>& calibration, double probability) {
   if (calibration.empty()) return 1;
@@ -70,10 +67,10 @@ Rgb ProcessFit::SpreadAt(const HalfDiff& angles) const {
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const ProcessModel::Group& group = model_->groups()[g];
     const double variance = place.features[g].dot(groups_[g].covariance * place.features[g]);
-    series.segment(group.first_series, group.series).setConstant(variance);
+    series.segment(group.first_series, group.series)
+        .setConstant(variance + groups_[g].scale * model_error_ * model_error_);
   }
-  const Eigen::Vector3d channels = model_->transform().transpose().cwiseAbs2() * series;
-  return (channels.array() + model_error_ * model_error_).sqrt();
+  return (model_->transform().transpose().cwiseAbs2() * series).array().sqrt();
 }
 
 Prediction ProcessFit::Predict(const HalfDiff& angles) const {

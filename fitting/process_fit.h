@@ -41,6 +41,9 @@ class ProcessFit final : public Estimate {
 // The reading of a sample.
 ProcessReading ToReading(const ProcessModel& model, const BrdfSample& sample);
 
+// x with P(|N(0, 1)| < x) = probability, 0 < probability < 1.
+double CentralQuantile(double probability);
+
 // How much wider than a Gaussian's an interval of this probability has to be: interpolated.
 double WideningAt(const std::vector<Calibration>& calibration, double probability);
 

@@ -20,6 +20,7 @@ ProcessModel::ProcessModel(const ProcessPrior& prior)
     : floor_(prior.floor),
       transform_(LuminanceAndChroma()),
       calibration_(prior.calibration),
+      error_margin_(prior.error_margin),
       basis_(prior.basis),
       mean_(Eigen::MatrixXd::Zero(prior.basis.size(), kChannels)) {
   mean_.col(0) = prior.mean;

@@ -43,6 +43,7 @@ class ProcessModel {
   // y = T z; orthonormal.
   const Eigen::Matrix3d& transform() const { return transform_; }
   const std::vector<Calibration>& calibration() const { return calibration_; }
+  double error_margin() const { return error_margin_; }
 
   Place At(const HalfDiff& angles) const;
   // Coefficients of the three series' means where their weights are these: a column for each.
@@ -54,6 +55,7 @@ class ProcessModel {
   Eigen::Matrix3d transform_;
   std::vector<Group> groups_;
   std::vector<Calibration> calibration_;
+  double error_margin_;
   ProcessBasis basis_;
   Eigen::MatrixXd mean_;                     // basis_.size() x 3
   std::vector<Eigen::MatrixXd> components_;  // for each group, basis_.size() x its size

@@ -28,6 +28,8 @@ struct Calibration {
 // The components are principal ones of the training materials: whatever these do, the process can
 // do. The stationary part is what a material may do that none of them did (docs/fitting.md).
 struct ProcessPrior {
+  static constexpr double kUncalibratedMargin = 1.5;  // usual where it was measured
+
   ProcessBasis basis;
   double floor = 0.02;        // 1/sr, of glog
   Eigen::VectorXd mean;       // basis.size() coefficients
@@ -36,7 +38,11 @@ struct ProcessPrior {
   // Standard deviation of the stationary part of each coefficient, basis.size().
   Eigen::VectorXd stationary_luminance;
   Eigen::VectorXd stationary_chroma;
-  std::vector<Calibration> calibration;  // by probability; empty: Gaussian intervals
+  // From sessions on training materials that the process was not learned from (planner/
+  // prior_calibration.h): intervals by probability, none meaning Gaussian ones, and by how much the
+  // expected error must be raised for most sessions to end up below it, > 0.
+  std::vector<Calibration> calibration;
+  double error_margin = kUncalibratedMargin;
 };
 
 // Components of a stationary part: its coefficients have these standard deviations and a Gaussian

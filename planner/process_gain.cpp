@@ -15,13 +15,6 @@ namespace {
 constexpr int kLeaders = 6;
 constexpr int kReach = 2;  // raster cells around a leader
 
-// n's digits to this base, mirrored at the point: 0 .. 1.
-double RadicalInverse(int n, int base) {
-  double inverse = 0;
-  for (double digit = 1.0 / base; n > 0; n /= base, digit /= base) inverse += digit * (n % base);
-  return inverse;
-}
-
 // The objective's quantity at z = glog(f_r).
 double Quantity(Objective objective, double z, double cosine, double floor) {
   if (objective == Objective::kRelative) return z;
@@ -40,23 +33,9 @@ double Sensitivity(Objective objective, double z, double sd, double cosine, doub
 }  // namespace
 
 ProcessGain::ProcessGain(std::vector<Candidate> candidates, const ProcessGainOptions& options)
-    : candidates_(std::move(candidates)), options_(options) {
-  const double limit = std::cos(options_.max_polar);
-  double sum = 0;
-  for (int n = 1; static_cast<int>(targets_.size()) < options_.targets; ++n) {
-    // Halton's points: no two of their coordinates follow each other, in the highlight or anywhere.
-    const double u = RadicalInverse(n, 2);
-    const HalfDiff angles{u * u * kPi / 2, RadicalInverse(n, 3) * kPi / 2,
-                          RadicalInverse(n, 5) * kPi};
-    double cos_i = 0;
-    double cos_o = 0;
-    Cosines(angles, &cos_i, &cos_o);
-    if (cos_i < limit || cos_o < limit) continue;
-    // As dense as sqrt(theta_h), and each counting as much of theta_h as it stands for.
-    targets_.push_back({angles, cos_i, u});
-    sum += u;
-  }
-  for (Target& target : targets_) target.weight /= sum;
+    : candidates_(std::move(candidates)),
+      options_(options),
+      targets_(SpreadDirections(options.targets, options.max_polar)) {
   for (const Candidate& candidate : candidates_) {
     rows_ = std::max(rows_, candidate.row + 1);
     columns_ = std::max(columns_, candidate.column + 1);
@@ -123,6 +102,7 @@ void ProcessGain::Learn(std::shared_ptr<const ProcessModel> model,
 
 void ProcessGain::SetObjective(const ProcessPosterior& posterior, const ProcessOptions& process) {
   const auto targets = static_cast<Eigen::Index>(targets_.size());
+  Eigen::Vector3d white;  // variance that no weight explains
   Eigen::MatrixXd series = target_means_;
   Eigen::MatrixXd variance(kChannels, targets);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -132,19 +112,20 @@ void ProcessGain::SetObjective(const ProcessPosterior& posterior, const ProcessO
     for (int s = group.first_series; s < group.first_series + group.series; ++s) {
       series.row(s) += posterior.weights()[s].transpose() * on_targets_[g];
       variance.row(s) = v;
+      white[s] = posterior.groups()[g].scale * process.model_error * process.model_error;
     }
   }
   const Eigen::Matrix3d& t = model_->transform();
   const Eigen::Matrix3d squares = t.cwiseAbs2();
-  const double white = process.model_error * process.model_error;
   Eigen::MatrixXd on_series(kChannels, targets);  // d error / d variance, but for a factor
   total_ = predicted_error_ = floor_error_ = 0;
   for (Eigen::Index i = 0; i < targets; ++i) {
     const Eigen::Vector3d z = t.transpose() * series.col(i);
-    const Eigen::Vector3d v = squares.transpose() * variance.col(i);
+    const Eigen::Vector3d least = squares.transpose() * white;
+    const Eigen::Vector3d v = squares.transpose() * variance.col(i) + least;
     Eigen::Vector3d slope;
     for (int c = 0; c < kChannels; ++c) {
-      const double sd = std::sqrt(v[c] + white);
+      const double sd = std::sqrt(v[c]);
       const double g =
           Sensitivity(options_.objective, z[c], sd, targets_[i].cosine, model_->floor());
       const double weight = targets_[i].weight / kChannels * g;
@@ -153,11 +134,13 @@ void ProcessGain::SetObjective(const ProcessPosterior& posterior, const ProcessO
       slope[c] = weight / sd;
       // Mean absolute value of a Gaussian: sqrt(2 / pi) sigma.
       predicted_error_ += weight * std::sqrt(2 / kPi) * sd;
-      floor_error_ += weight * std::sqrt(2 / kPi * white);
+      floor_error_ += weight * std::sqrt(2 / kPi * least[c]);
     }
     on_series.col(i) = squares * slope;
     total_ += on_series.col(i).dot(variance.col(i));
   }
+  predicted_error_ *= model_->error_margin();
+  floor_error_ *= model_->error_margin();
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const ProcessModel::Group& group = model_->groups()[g];
     const Eigen::VectorXd weight =

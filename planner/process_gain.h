@@ -12,6 +12,7 @@
 #include "fitting/process_fit.h"
 #include "planner/candidates.h"
 #include "planner/information_gain.h"
+#include "planner/spread_directions.h"
 
 namespace gonio {
 
@@ -61,17 +62,12 @@ class ProcessGain {
   // The gain of one candidate.
   double GainOf(int candidate) const;
 
-  // Mean absolute error of the objective's quantity to be expected of the fit as it is, and what
-  // would be left of it if every weight were known.
+  // Mean absolute error of the objective's quantity that the fit as it is will hardly exceed
+  // (ProcessPrior::error_margin), and what would be left of it if every weight were known.
   double predicted_error() const { return predicted_error_; }
   double floor_error() const { return floor_error_; }
 
  private:
-  struct Target {
-    HalfDiff angles;
-    double cosine;  // of theta_i
-    double weight;  // sums to 1
-  };
   // One group of series, as far as scoring needs it.
   struct GroupState {
     Eigen::MatrixXd covariance;  // P
@@ -90,7 +86,7 @@ class ProcessGain {
 
   std::vector<Candidate> candidates_;
   ProcessGainOptions options_;
-  std::vector<Target> targets_;
+  std::vector<SpreadDirection> targets_;
   std::vector<int> coarse_;
   std::vector<std::vector<int>> cells_;  // candidates of each raster cell
   int rows_ = 0;

@@ -13,8 +13,8 @@
 #include "apps/gonio/interrupt.h"
 #include "apps/gonio/json_file.h"
 #include "apps/gonio/study_config.h"
-#include "apps/gonio/task_pool.h"
 #include "core/file.h"
+#include "core/task_pool.h"
 
 namespace gonio {
 namespace {

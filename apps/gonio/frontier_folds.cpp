@@ -11,9 +11,9 @@
 #include "apps/gonio/frontier_learning.h"
 #include "apps/gonio/json_file.h"
 #include "apps/gonio/study_config.h"
-#include "apps/gonio/task_pool.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/task_pool.h"
 
 namespace gonio {
 namespace {

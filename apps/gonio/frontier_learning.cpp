@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/gonio/open_any.h"
-#include "fitting/learn_prior.h"
+#include "planner/prior_calibration.h"
 
 namespace gonio {
 
@@ -33,7 +33,7 @@ class OpenedMaterials {
 Prior LearnFrom(std::span<const FrontierMaterial> materials, const std::string& name) {
   LearnOptions options;
   options.name = name;
-  return LearnPrior(OpenedMaterials(materials).training(), options);
+  return LearnCalibratedPrior(OpenedMaterials(materials).training(), options);
 }
 
 std::shared_ptr<const PcaBasis> LearnPca(std::span<const FrontierMaterial> materials) {

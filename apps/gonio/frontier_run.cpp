@@ -13,9 +13,9 @@
 #include "apps/gonio/frontier_session.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/tabulate.h"
-#include "apps/gonio/task_pool.h"
 #include "brdf/metrics.h"
 #include "brdf/open.h"
+#include "core/task_pool.h"
 
 namespace gonio {
 namespace {

@@ -12,7 +12,7 @@
 #include "apps/gonio/locate.h"
 #include "apps/gonio/open_any.h"
 #include "core/error.h"
-#include "fitting/learn_prior.h"
+#include "planner/prior_calibration.h"
 
 namespace gonio {
 
@@ -30,11 +30,16 @@ int PriorLearnCommand(const PriorLearnOptions& options) {
   LearnOptions learn;
   learn.name = options.out.stem().string();
   learn.threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const Prior prior = LearnPrior(materials, learn);
+  const Prior prior = LearnCalibratedPrior(materials, learn);
   WritePrior(options.out, prior);
   fmt::print("materials        {}\n", materials.size());
   fmt::print("components       {} of luminance, {} of chroma\n", prior.process->luminance.cols(),
              prior.process->chroma.cols());
+  fmt::print("error margin     {:.2f}\n", prior.process->error_margin);
+  for (const Calibration& at : prior.process->calibration) {
+    fmt::print("interval {:3.0f} %   {:.2f} times a Gaussian's\n", 100 * at.probability,
+               at.widening);
+  }
   fmt::print("wrote            {}\n", options.out.string());
   return kDone;
 }

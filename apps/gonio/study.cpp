@@ -12,8 +12,8 @@
 #include "apps/gonio/study_pictures.h"
 #include "apps/gonio/study_run.h"
 #include "apps/gonio/study_summary.h"
-#include "apps/gonio/task_pool.h"
 #include "core/error.h"
+#include "core/task_pool.h"
 
 namespace gonio {
 namespace {

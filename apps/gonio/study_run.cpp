@@ -9,9 +9,9 @@
 
 #include "acquisition/sha256.h"
 #include "apps/gonio/tabulate.h"
-#include "apps/gonio/task_pool.h"
 #include "brdf/metrics.h"
 #include "brdf/open.h"
+#include "core/task_pool.h"
 
 namespace gonio {
 namespace {

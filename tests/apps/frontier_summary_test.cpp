@@ -8,7 +8,6 @@
 #include "apps/gonio/frontier_figures.h"
 #include "apps/gonio/frontier_score.h"
 #include "apps/gonio/statistics.h"
-#include "apps/gonio/task_pool.h"
 #include "brdf/merl_table.h"
 #include "core/units.h"
 
@@ -24,19 +23,6 @@ TEST(Quantile, InterpolatesLeavesNanOutAndKeepsInfinity) {
   EXPECT_EQ(Quantile({1, 2, kInfinity}, 0.5), 2);
   EXPECT_EQ(Quantile({1, 2, kInfinity}, 0.9), kInfinity);
   EXPECT_TRUE(std::isnan(Median({})));
-}
-
-TEST(ForEachTask, DoesEachOnceAndThrowsTheFirstError) {
-  std::vector<int> calls(50, 0);
-  ForEachTask(calls.size(), 4, {}, [&](std::size_t i) { ++calls[i]; });
-  EXPECT_EQ(calls, std::vector<int>(50, 1));
-  int begun = 0;
-  const auto fail = [&](std::size_t i) {
-    ++begun;
-    if (i == 2) throw std::runtime_error("third");
-  };
-  EXPECT_THROW(ForEachTask(50, 1, {}, fail), std::runtime_error);
-  EXPECT_EQ(begun, 3);
 }
 
 FrontierRow Row(int poses, double minutes, double male) {

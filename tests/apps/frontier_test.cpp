@@ -43,12 +43,20 @@ constexpr const char* kRun = "study s.yaml --materials data --out out";
 
 class Frontier : public GonioTest {
  protected:
+  // Five materials, so that each of three folds leaves three to learn from.
   Frontier() {
     std::filesystem::create_directories(work() / "data");
-    for (const char* name : {"glossy-plastic", "retro-cloth", "satin-paint"}) {
-      File(std::string("data/") + name + ".yaml",
-           Config(std::string("materials/") + name + ".yaml"));
-    }
+    Coated("enamel", "0.70, 0.66, 0.50", 0.12);
+    Coated("glaze", "0.06, 0.22, 0.40", 0.20);
+    Coated("lacquer", "0.30, 0.04, 0.03", 0.15);
+    Coated("paint", "0.11, 0.32, 0.36", 0.30);
+    Coated("rubber", "0.05, 0.05, 0.06", 0.45);
+  }
+  void Coated(const std::string& name, const std::string& albedo, double roughness) {
+    File("data/" + name + ".yaml", fmt::format("version: 1\nname: {}\nlayers:\n"
+                                               "  - {{kind: lambert, albedo: [{}]}}\n"
+                                               "  - {{kind: ggx, roughness: {}, ior: 1.5}}\n",
+                                               name, albedo, roughness));
   }
   json Read(const std::string& file) { return json::parse(ReadTextFile(work() / file)); }
   // The cells without the time they took.
@@ -62,13 +70,13 @@ class Frontier : public GonioTest {
 
 TEST_F(Frontier, ScoresEveryContestantAtEveryBudgetAndGoesOnWhereItStopped) {
   File("s.yaml", kStudy);
-  // 3 folds, 3 dense fits, 3 x 2 sessions.
+  // 3 folds, 5 dense fits, 5 x 2 sessions.
   EXPECT_THAT(Expect(kRun).out,
-              AllOf(HasSubstr("3 materials, 12 tasks, 0 of them done before"),
+              AllOf(HasSubstr("5 materials, 18 tasks, 0 of them done before"),
                     HasSubstr("Mean MALE, cross-validated, noise none"),
                     HasSubstr("To 1.05 x the dense fit's error"), HasSubstr("Stopping at")));
   const json cells = Cells("out");
-  ASSERT_EQ(cells.size(), 6u);
+  ASSERT_EQ(cells.size(), 10u);
   for (const json& cell : cells) {
     ASSERT_EQ(cell["rows"].size(), 2u);
     const json& few = cell["rows"][0];
@@ -84,7 +92,7 @@ TEST_F(Frontier, ScoresEveryContestantAtEveryBudgetAndGoesOnWhereItStopped) {
     EXPECT_EQ(cell["stops"].size(), chosen ? 1u : 0u);
   }
   const std::string csv = ReadTextFile(work() / "out/results.csv");
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 13);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 21);
   EXPECT_THAT(ReadTextFile(work() / "out/frontier.md"),
               HasSubstr("| contestant | n = 4 | n = 12 |\n| --- | ---: | ---: |\n| chosen | "));
   for (const char* figure : {"error-poses", "error-minutes", "predicted-error"}) {
@@ -93,10 +101,10 @@ TEST_F(Frontier, ScoresEveryContestantAtEveryBudgetAndGoesOnWhereItStopped) {
   }
 
   // One cell lost, one torn; a prior that is not what was learned.
-  std::filesystem::remove(work() / "out/cells/retro-cloth/raster-none-1.json");
-  File("out/cells/satin-paint/chosen-none-1.json", "{\"key\": ");
+  std::filesystem::remove(work() / "out/cells/glaze/raster-none-1.json");
+  File("out/cells/paint/chosen-none-1.json", "{\"key\": ");
   File("out/priors/fold-1.yaml", "version: 1\n");
-  EXPECT_THAT(Expect(std::string(kRun) + " --quiet").out, HasSubstr("12 tasks, 9 of them done"));
+  EXPECT_THAT(Expect(std::string(kRun) + " --quiet").out, HasSubstr("18 tasks, 15 of them done"));
   EXPECT_EQ(Cells("out"), cells);
 }
 
@@ -110,8 +118,8 @@ TEST_F(Frontier, DoesNotDependOnTheNumberOfThreads) {
 
 TEST_F(Frontier, LearnsAFoldFromTheOthersAndSaysFromWhat) {
   File("s.yaml", With(kStudy, "materials: [\"*.yaml\"]",
-                      "materials: [\"glossy*\", \"satin*\"]\nheld_out: [\"retro*\"]"));
-  File("s.yaml", With(ReadTextFile(work() / "s.yaml"), "folds: 3", "folds: 2"));
+                      "materials: [\"[eglp]*\"]\nheld_out: [\"rubber*\"]"));
+  File("s.yaml", With(ReadTextFile(work() / "s.yaml"), "folds: 3", "folds: 4"));
   EXPECT_THAT(Expect(kRun).out, HasSubstr("Mean MALE, held-out materials, noise none"));
   const auto taught = [&](int fold) {
     std::vector<std::string> names;
@@ -122,13 +130,13 @@ TEST_F(Frontier, LearnsAFoldFromTheOthersAndSaysFromWhat) {
     }
     return names;
   };
-  EXPECT_THAT(taught(0), testing::ElementsAre("satin-paint"));
-  EXPECT_THAT(taught(1), testing::ElementsAre("glossy-plastic"));
-  EXPECT_THAT(taught(2), testing::ElementsAre("glossy-plastic", "satin-paint"));
+  EXPECT_THAT(taught(0), testing::ElementsAre("glaze", "lacquer", "paint"));
+  EXPECT_THAT(taught(2), testing::ElementsAre("enamel", "glaze", "paint"));
+  EXPECT_THAT(taught(4), testing::ElementsAre("enamel", "glaze", "lacquer", "paint"));
 }
 
 TEST_F(Frontier, RefusesAPriorThatHasSeenAMaterial) {
-  // The prior of fold 0 has seen satin-paint.
+  // The prior of fold 0 has seen all but enamel and paint.
   File("s.yaml", kStudy);
   Expect(kRun);
   std::filesystem::copy(work() / "out/priors/fold-0.yaml", work() / "seen.yaml");
@@ -136,14 +144,14 @@ TEST_F(Frontier, RefusesAPriorThatHasSeenAMaterial) {
       With(kStudy, "phi_d: across}", "phi_d: across}\n      fit: {prior: seen.yaml}");
   File("s.yaml", yaml);
   ExpectRefused(Gonio("study s.yaml --materials data --out other"), 2,
-                {"retro-cloth: the prior \"fold 0\" has seen it"});
+                {"glaze: the prior \"fold 0\" has seen it"});
   EXPECT_FALSE(Exists("other/cells"));
 }
 
 TEST_F(Frontier, RefusesTheSameContentUnderAnotherName) {
   File("s.yaml", kStudy);
-  File("data/other.yaml", Config("materials/satin-paint.yaml"));
-  ExpectRefused(Gonio(kRun), 2, {"satin-paint.yaml: has the same content as ", "other.yaml"});
+  File("data/twin.yaml", ReadTextFile(work() / "data/paint.yaml"));
+  ExpectRefused(Gonio(kRun), 2, {"twin.yaml: has the same content as ", "paint.yaml"});
 }
 
 TEST_F(Frontier, IsStoppedAfterTheTasksInHand) {
@@ -154,7 +162,7 @@ TEST_F(Frontier, IsStoppedAfterTheTasksInHand) {
       "$pid; wait $pid");
   EXPECT_EQ(stopped.code, 3);
   EXPECT_THAT(stopped.out, HasSubstr("stopped; the same command goes on from here"));
-  EXPECT_THAT(Expect(kRun).out, AllOf(HasSubstr("12 tasks, "), Not(HasSubstr("12 tasks, 0 of"))));
+  EXPECT_THAT(Expect(kRun).out, AllOf(HasSubstr("18 tasks, "), Not(HasSubstr("18 tasks, 0 of"))));
 }
 
 TEST_F(Frontier, GoesOnAfterAContestantThatFails) {
@@ -165,9 +173,9 @@ TEST_F(Frontier, GoesOnAfterAContestantThatFails) {
   File("s.yaml", "rig: rig.yaml\n" + ReadTextFile(work() / "s.yaml"));
   const Finished run = Gonio(kRun);
   EXPECT_EQ(run.code, 1);
-  EXPECT_THAT(run.err, HasSubstr("satin-paint, raster, noise none: plan few: the rig cannot reach "
+  EXPECT_THAT(run.err, HasSubstr("rubber, raster, noise none: plan few: the rig cannot reach "
                                  "any of its poses"));
-  EXPECT_THAT(run.out, HasSubstr("failed           3 of 12 tasks"));
+  EXPECT_THAT(run.out, HasSubstr("failed           5 of 18 tasks"));
 }
 
 TEST_F(Frontier, RefusesFilesThatAreWrong) {
@@ -179,7 +187,7 @@ TEST_F(Frontier, RefusesFilesThatAreWrong) {
   refuse("kind: frontier", "kind: front", "kind: is \"front\", must be one of thinning, frontier");
   refuse("budgets: [4, 12]", "budgets: [12, 4]", "budgets: must ascend: 4 comes after 12");
   refuse("budgets: [4, 12]", "budgets: [0]", "budgets");
-  refuse("folds: 3", "folds: 4", "folds: is 4, but there are only 3 materials");
+  refuse("folds: 3", "folds: 6", "folds: is 6, but there are only 5 materials");
   refuse("folds: 3", "folds: 1", "folds: is 1, must be >= 2");
   refuse("materials: [\"*.yaml\"]", "materials: []", "materials: is empty");
   refuse("materials: [\"*.yaml\"]", "materials: [\"*.bsdf\"]", "materials: none found in data");
@@ -189,8 +197,8 @@ TEST_F(Frontier, RefusesFilesThatAreWrong) {
   refuse("name: raster", "name: a/b", "must be of letters");
   refuse("targets: [10]", "targets: [-1]", "targets");
   refuse("planner: grid", "planner: none", "plan of raster");
-  File("s.yaml", With(kStudy, "folds: 3", "folds: 3\nextra_training: [\"satin*\"]"));
-  ExpectRefused(Gonio(kRun), 2, {"satin-paint.yaml: has the same name as", "either scored, or"});
+  File("s.yaml", With(kStudy, "folds: 3", "folds: 3\nextra_training: [\"paint*\"]"));
+  ExpectRefused(Gonio(kRun), 2, {"paint.yaml: has the same name as", "either scored, or"});
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "apps/gonio/task_pool.h"
+#include "core/task_pool.h"
 
 #include <algorithm>
 #include <atomic>
