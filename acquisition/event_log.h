@@ -34,7 +34,7 @@ struct SessionInfo {
   std::string plan_path;  // absolute: prior files named in a plan stand beside it
   std::string plan_text;  // the plan file as it was read
   std::string prior_name;
-  std::string prior_spec;       // empty: the plan's; "generic"; or a prior file's absolute path
+  std::string prior_spec;  // empty: the plan's; "none"; "generic"; or a prior file's absolute path
   std::string prior_sha256;     // of its numbers
   std::string material_path;    // the simulated sample's file, absolute; empty for a real sample
   std::string material_sha256;  // of that file

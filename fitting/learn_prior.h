@@ -16,8 +16,8 @@ struct LearnOptions {
   std::string name = "learned";
   ProcessBasis basis;
   double floor = 0.02;            // 1/sr, > 0: of the process's glog
-  int luminance_components = 50;  // > 0: at most
-  int chroma_components = 40;     // > 0: at most
+  int luminance_components = 32;  // > 0: at most
+  int chroma_components = 20;     // > 0: at most
   ReadingRaster raster;           // where the materials are read
   DsbrdfShape shape;              // of the lobes
   int threads = 1;                // >= 1

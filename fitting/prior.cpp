@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "core/config.h"
@@ -82,6 +83,11 @@ Eigen::MatrixXd CourseCovariance(const Belief& belief, int knots, bool same_chan
 
 }  // namespace
 
+bool HasSeen(const Prior& prior, const std::string& material) {
+  return std::find(prior.materials.begin(), prior.materials.end(), material) !=
+         prior.materials.end();
+}
+
 Prior GenericPrior(const DsbrdfShape& shape) {
   CheckShape(shape);
   Prior prior{.name = "generic",
@@ -105,6 +111,13 @@ Prior GenericPrior(const DsbrdfShape& shape) {
       }
     }
   }
+  return prior;
+}
+
+Prior NoPrior(const DsbrdfShape& shape) {
+  Prior prior = GenericPrior(shape);
+  prior.name = "none";
+  prior.covariance *= kUnbelief * kUnbelief;
   return prior;
 }
 

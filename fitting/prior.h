@@ -28,8 +28,16 @@ struct Prior {
   std::shared_ptr<const ProcessPrior> process;
 };
 
+// Whether the prior was learned from a material of this name: judged on that it looks too good.
+bool HasSeen(const Prior& prior, const std::string& material);
+
 // The built-in prior: no material was used to make it; its assumptions stand in docs/fitting.md.
 Prior GenericPrior(const DsbrdfShape& shape = {});
+
+// As little as a fit can do with: the generic prior's means, its spreads kUnbelief times as wide.
+// It keeps lobes of which the samples say nothing from running away, and little else. "none".
+inline constexpr double kUnbelief = 5;
+Prior NoPrior(const DsbrdfShape& shape = {});
 
 // A prior file (docs/data-format.md). Throws ConfigError: wrong version, sizes, a covariance that
 // is not symmetric and positive definite.

@@ -13,6 +13,9 @@ namespace {
 
 constexpr int kMostKnots = 200;
 constexpr int kMostComponents = 1000;
+// What a coefficient of a logarithm, and its spread, may be without running over.
+constexpr Range kLogarithm{.min = -1000, .max = 1000};
+constexpr Range kSpread{.min = 0, .max = 1000};
 
 void WriteRounded(std::ostream& out, std::string_view key,
                   const Eigen::Ref<const Eigen::MatrixXd>& numbers) {
@@ -21,17 +24,27 @@ void WriteRounded(std::ostream& out, std::string_view key,
   int i = 0;
   for (const double number : numbers.reshaped()) {
     if (i > 0) out << (i % kPerLine == 0 ? ",\n    " : ", ");
-    out << fmt::format("{:.5g}", number);
+    out << fmt::format("{:.4g}", number);
     ++i;
   }
   out << "]\n";
 }
 
 Eigen::MatrixXd ReadMatrix(const ConfigNode& node, const char* key, int rows, int columns,
-                           Range range = Range::Any()) {
+                           Range range) {
   const std::vector<double> numbers =
       node.Numbers(key, static_cast<std::size_t>(rows) * static_cast<std::size_t>(columns), range);
   return Eigen::Map<const Eigen::MatrixXd>(numbers.data(), rows, columns);
+}
+
+Eigen::MatrixXd ReadComponents(const ConfigNode& node, const char* key, int rows, int columns) {
+  Eigen::MatrixXd components = ReadMatrix(node, key, rows, columns, kLogarithm);
+  for (int i = 0; i < columns; ++i) {
+    if ((components.col(i).array() == 0).all()) {
+      node.Fail(key, fmt::format("component {} has no spread: all its numbers are 0", i + 1));
+    }
+  }
+  return components;
 }
 
 }  // namespace
@@ -67,12 +80,11 @@ std::shared_ptr<const ProcessPrior> ReadProcess(const ConfigNode& node) {
   const int size = process->basis.size();
   const int luminance = node.Integer("luminance_components", 1, kMostComponents);
   const int chroma = node.Integer("chroma_components", 1, kMostComponents);
-  process->mean = ReadMatrix(node, "mean", size, 1);
-  process->stationary_luminance =
-      ReadMatrix(node, "stationary_luminance", size, 1, Range::NonNegative());
-  process->stationary_chroma = ReadMatrix(node, "stationary_chroma", size, 1, Range::NonNegative());
-  process->luminance = ReadMatrix(node, "luminance", size, luminance);
-  process->chroma = ReadMatrix(node, "chroma", size, chroma);
+  process->mean = ReadMatrix(node, "mean", size, 1, kLogarithm);
+  process->stationary_luminance = ReadMatrix(node, "stationary_luminance", size, 1, kSpread);
+  process->stationary_chroma = ReadMatrix(node, "stationary_chroma", size, 1, kSpread);
+  process->luminance = ReadComponents(node, "luminance", size, luminance);
+  process->chroma = ReadComponents(node, "chroma", size, chroma);
   process->error_margin = node.Number("error_margin", Range::Positive());
   if (!node.Has("interval_probabilities")) return process;
   const std::vector<double> probabilities =

@@ -29,6 +29,8 @@ constexpr double kSmoothness = 1e-5;
 constexpr double kChannelWeight = 0.3;
 constexpr double kScaledWeight = 0.3;
 
+constexpr double kGreyTint = 0.05;  // of log f_r: what chroma may do where all materials are grey
+
 constexpr int kSpreadFolds = 8;
 constexpr double kLeftoverNoise = 0.03;  // of the readings the leftover is what cannot explain
 // Coefficients that count less in the metric belong to directions below the horizon.
@@ -178,6 +180,9 @@ ProcessPrior LearnComponents(std::span<const MaterialField* const> fields,
   // Chroma has no sign: swapping channels turns it round. So its mean is zero.
   prior.chroma = Components(chroma, Eigen::VectorXd::Ones(2 * n),
                             Eigen::VectorXd::Zero(basis.size()), metric, counts.chroma);
+  if (prior.chroma.cols() == 0) {  // all grey: nothing was learned of colours but that
+    prior.chroma = Eigen::VectorXd::Constant(basis.size(), kGreyTint);
+  }
   return prior;
 }
 

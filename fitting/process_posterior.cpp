@@ -47,14 +47,6 @@ struct ProcessPosterior::Problem {
   Eigen::Vector3d precision;  // 1 / variance of each series
 };
 
-// What readings say of one group's weights: precision G, and G w for each series.
-struct ProcessPosterior::Normal {
-  Eigen::MatrixXd information;
-  Eigen::MatrixXd pull;
-  double squares = 0;  // sum of residual^2 / variance
-  int count = 0;       // readings x series
-};
-
 ProcessPosterior::ProcessPosterior(const ProcessModel& model,
                                    std::span<const ProcessReading> readings,
                                    const ProcessOptions& options)
@@ -94,23 +86,18 @@ ProcessPosterior::ProcessPosterior(const ProcessModel& model,
       }
       problems.push_back(problem);
     }
-    Solve(problems, options);
-  }
-}
-
-void ProcessPosterior::Solve(const std::vector<Problem>& problems, const ProcessOptions& options) {
-  for (std::size_t g = 0; g < groups_.size(); ++g) {
-    SolveGroup(static_cast<int>(g), problems, options);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      SolveGroup(static_cast<int>(g), problems, options, pass + 1 == kPasses);
+    }
   }
 }
 
 void ProcessPosterior::SolveGroup(int group_index, const std::vector<Problem>& problems,
-                                  const ProcessOptions& options) {
+                                  const ProcessOptions& options, bool last) {
   const ProcessModel::Group& group = model_.groups()[group_index];
   const auto rows = static_cast<Eigen::Index>(problems.size());
   Eigen::MatrixXd features(group.size, rows);  // times the root of the precision
   Eigen::MatrixXd residuals(rows, group.series);
-  double log_precision = 0;
   for (Eigen::Index n = 0; n < rows; ++n) {
     const Problem& problem = problems[n];
     // Series of a group share a covariance, so a common precision.
@@ -118,7 +105,6 @@ void ProcessPosterior::SolveGroup(int group_index, const std::vector<Problem>& p
     features.col(n) = std::sqrt(precision) * problem.reading->place.features[group_index];
     residuals.row(n) = std::sqrt(precision) *
                        problem.residual.segment(group.first_series, group.series).transpose();
-    log_precision += std::log(precision);
   }
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(group.size, group.size);
   if (rows > 0) information.selfadjointView<Eigen::Lower>().rankUpdate(features);
@@ -127,6 +113,7 @@ void ProcessPosterior::SolveGroup(int group_index, const std::vector<Problem>& p
   const double squares = residuals.squaredNorm();
   const double count = static_cast<double>(rows) * group.series;
   double best = -std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd best_root;
   for (const double scale : options.stationary_scales) {
     // In units of weights of unit prior variance: S (G) S + 1, S = diag(1 .. 1, scale .. scale).
     Eigen::VectorXd s = Eigen::VectorXd::Ones(group.size);
@@ -136,7 +123,7 @@ void ProcessPosterior::SolveGroup(int group_index, const std::vector<Problem>& p
     const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> llt(precision);
     const Eigen::MatrixXd half = llt.matrixL().solve(s.asDiagonal() * pull);
     const double quadratic = std::max(squares - half.squaredNorm(), 0.0);
-    const double log_det = 2 * llt.matrixL().toDenseMatrix().diagonal().array().log().sum();
+    const double log_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
     const double weight = options.scale_weight;
     const double evidence =
         -0.5 * group.series * log_det -
@@ -146,15 +133,24 @@ void ProcessPosterior::SolveGroup(int group_index, const std::vector<Problem>& p
     Knowledge& knowledge = groups_[group_index];
     knowledge.stationary_scale = scale;
     knowledge.scale = weight > 0 ? (weight + quadratic) / (weight + count) : 1;
-    const Eigen::MatrixXd root =
-        llt.matrixL().solve(Eigen::MatrixXd(s.asDiagonal()));  // root' root = covariance
-    knowledge.covariance.setZero(group.size, group.size);
-    knowledge.covariance.selfadjointView<Eigen::Lower>().rankUpdate(root.transpose(),
-                                                                    knowledge.scale);
-    knowledge.covariance.triangularView<Eigen::StrictlyUpper>() = knowledge.covariance.transpose();
+    best_root = llt.matrixL();
     const Eigen::MatrixXd mean = s.asDiagonal() * llt.matrixU().solve(half);
     for (int k = 0; k < group.series; ++k) weights_[group.first_series + k] = mean.col(k);
   }
+  if (last) SetCovariance(best_root, group, &groups_[group_index]);
+}
+
+// Of weights of which `factor`, lower triangular, is the root of the precision, in units of the
+// chosen scale of the stationary part.
+void ProcessPosterior::SetCovariance(const Eigen::MatrixXd& factor,
+                                     const ProcessModel::Group& group, Knowledge* knowledge) {
+  Eigen::MatrixXd units = Eigen::MatrixXd::Identity(group.size, group.size);
+  units.diagonal().tail(group.size - group.learned).setConstant(knowledge->stationary_scale);
+  const Eigen::MatrixXd root = factor.triangularView<Eigen::Lower>().solve(units);
+  knowledge->covariance.setZero(group.size, group.size);
+  knowledge->covariance.selfadjointView<Eigen::Lower>().rankUpdate(root.transpose(),
+                                                                   knowledge->scale);
+  knowledge->covariance.triangularView<Eigen::StrictlyUpper>() = knowledge->covariance.transpose();
 }
 
 Eigen::Vector3d ProcessPosterior::Mean(const ProcessModel::Place& place) const {

@@ -65,10 +65,12 @@ class ProcessPosterior {
 
  private:
   struct Problem;
-  struct Normal;
 
-  void Solve(const std::vector<Problem>& problems, const ProcessOptions& options);
-  void SolveGroup(int group, const std::vector<Problem>& problems, const ProcessOptions& options);
+  // `last`: the covariance is wanted, too, not just the weights.
+  void SolveGroup(int group, const std::vector<Problem>& problems, const ProcessOptions& options,
+                  bool last);
+  static void SetCovariance(const Eigen::MatrixXd& factor, const ProcessModel::Group& group,
+                            Knowledge* knowledge);
 
   const ProcessModel& model_;
   std::array<Eigen::VectorXd, kChannels> weights_;

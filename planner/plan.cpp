@@ -55,11 +55,11 @@ void ReadFit(const ConfigNode& root, Plan* plan) {
     fit.model_error_weight =
         node.NumberOr("model_error_weight", fit.model_error_weight, Range::NonNegative());
     fit.max_iterations = node.IntegerOr("max_iterations", fit.max_iterations, 1, 10000);
-    if (prior != "generic" && (node.Has("lobes") || node.Has("knots"))) {
+    if (!IsBuiltInPrior(prior) && (node.Has("lobes") || node.Has("knots"))) {
       node.Fail("prior", "a prior file brings its own lobes and knots; leave those keys out");
     }
   }
-  if (prior != "generic" && std::filesystem::path(prior).is_relative()) {
+  if (!IsBuiltInPrior(prior) && std::filesystem::path(prior).is_relative()) {
     prior = (std::filesystem::path(root.file()).parent_path() / prior).string();
   }
   plan->prior = OpenPrior(prior, shape);
@@ -140,6 +140,17 @@ std::vector<int> ListedOrder(const Plan& plan, const std::vector<Candidate>& can
                                           : PivotedOrder(candidates, *inputs.pca, plan.max_poses);
 }
 
+std::vector<Candidate> OfferedBy(const Plan& plan, const CandidateOptions& options,
+                                 const Reachable& reachable) {
+  std::vector<Candidate> candidates = MakeCandidates(options, reachable);
+  if (candidates.empty()) {
+    throw ConfigError("plan " + plan.name +
+                      ": the rig cannot reach any of its poses: check the rig's axis limits, "
+                      "geometry.max_polar_deg and geometry.min_separation_deg");
+  }
+  return candidates;
+}
+
 // Where a process was learned it plans: it sees all three angles, so cells get several phi_d.
 std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInputs& inputs) {
   CandidateOptions candidates = plan.candidates;
@@ -153,7 +164,7 @@ std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInput
   options.gain.max_polar = plan.information.gain.max_polar;
   options.gain.relative_noise = plan.information.gain.relative_noise;
   options.prior = plan.prior.process;
-  return std::make_unique<ProcessPlanner>(MakeCandidates(candidates, inputs.reachable), options,
+  return std::make_unique<ProcessPlanner>(OfferedBy(plan, candidates, inputs.reachable), options,
                                           plan.mind_time ? inputs.costs : SessionCosts{});
 }
 
@@ -175,7 +186,10 @@ const char* Label(PlannerKind kind) {
 
 }  // namespace
 
+bool IsBuiltInPrior(const std::string& name) { return name == "none" || name == "generic"; }
+
 Prior OpenPrior(const std::string& name, const DsbrdfShape& shape) {
+  if (name == "none") return NoPrior(shape);
   return name == "generic" ? GenericPrior(shape) : ReadPrior(name);
 }
 
@@ -206,12 +220,7 @@ Plan LoadPlan(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inputs) {
-  std::vector<Candidate> candidates = MakeCandidates(plan.candidates, inputs.reachable);
-  if (candidates.empty()) {
-    throw ConfigError("plan " + plan.name +
-                      ": the rig cannot reach any of its poses: check the rig's axis limits, "
-                      "geometry.max_polar_deg and geometry.min_separation_deg");
-  }
+  std::vector<Candidate> candidates = OfferedBy(plan, plan.candidates, inputs.reachable);
   switch (plan.kind) {
     case PlannerKind::kInformation: {
       if (plan.prior.process) return MakeProcessPlanner(plan, inputs);

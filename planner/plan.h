@@ -51,7 +51,9 @@ Plan LoadPlan(const std::filesystem::path& path);
 // `name` stands for the file in messages, and relative prior files are looked for beside it.
 Plan ParsePlan(const std::string& text, const std::string& name);
 
-// The prior a user names: "generic", or a prior file. `shape` is used by the generic one only.
+// The prior a user names: "none" (NoPrior()), "generic" (GenericPrior()), or a prior file. `shape`
+// is for the first two.
+bool IsBuiltInPrior(const std::string& name);
 Prior OpenPrior(const std::string& name, const DsbrdfShape& shape);
 
 // What a planner needs and a plan file cannot hold.

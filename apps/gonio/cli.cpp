@@ -13,7 +13,7 @@ namespace {
 
 using Action = std::function<int()>;
 
-constexpr const char* kPrior = "\"generic\" or a prior file";
+constexpr const char* kPrior = "\"none\", \"generic\" or a prior file";
 
 Action SetUpRun(CLI::App& app) {
   auto o = std::make_shared<RunOptions>();
@@ -152,8 +152,15 @@ Action SetUpSimulate(CLI::App& app) {
   auto o = std::make_shared<SimulateOptions>();
   app.add_option("--rig", o->rig, "Rig file; must be simulated")->capture_default_str();
   app.add_option("--plan", o->plans, "Plan files")->required();
-  app.add_option("--material", o->materials, "Materials: MERL .binary, RGL .bsdf or material .yaml")
-      ->required();
+  app.add_option("materials,--material", o->materials,
+                 "Materials: MERL .binary, RGL .bsdf or material .yaml (default: drawn from a "
+                 "learned prior)");
+  app.add_option("--target", o->target,
+                 "An error (MALE): how many poses and hours until it is reached?")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--draws", o->draws, "So many materials from the prior where none is named")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   app.add_option("--prior", o->prior, std::string(kPrior) + " (default: each plan's)");
   app.add_option("--max-poses", o->max_poses, "Budget of poses (default: each plan's)")
       ->check(CLI::PositiveNumber);
@@ -161,6 +168,8 @@ Action SetUpSimulate(CLI::App& app) {
   app.add_option("--seeds", o->seeds, "Repeat with so many seeds; the table shows means")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--threads", o->threads, "Sessions at a time (default: every core)")
+      ->check(CLI::PositiveNumber);
   app.add_option("--json", o->json,
                  "Write every session's numbers to this file, too (\"-\": standard output)");
   app.add_flag("--quiet", o->quiet, "No progress, only the table");

@@ -30,7 +30,7 @@ struct RunOptions {
   std::filesystem::path out;
   int max_poses = 0;  // 0: the plan's
   std::uint64_t seed = 1;
-  std::string prior;  // "generic", a prior file, or empty: the plan's
+  std::string prior;  // "none", "generic", a prior file, or empty: the plan's
   bool quiet = false;
 };
 int RunCommand(const RunOptions& options);
@@ -98,11 +98,14 @@ int CompareCommand(const CompareOptions& options);
 struct SimulateOptions {
   std::string rig = "sim-rig.yaml";
   std::vector<std::string> plans;
-  std::vector<std::string> materials;
-  std::string prior;  // as for run
+  std::vector<std::string> materials;  // none: drawn from the prior
+  std::string prior;                   // as for run
+  double target = 0;                   // an error (MALE); 0: none asked for
+  int draws = 8;                       // materials, where none is named
   int max_poses = 0;
   std::uint64_t seed = 1;
   int seeds = 1;
+  int threads = 0;  // 0: every core
   std::filesystem::path json;
   bool quiet = false;
 };

@@ -86,16 +86,14 @@ std::vector<FrontierMaterial> FindFrontierMaterials(
 
 void RefuseSeen(const FrontierMaterial& material, const Prior& prior,
                 const std::vector<std::string>& training_hashes) {
-  const auto holds = [](const std::vector<std::string>& list, const std::string& text) {
-    return std::find(list.begin(), list.end(), text) != list.end();
-  };
-  if (holds(prior.materials, material.name)) {
+  if (HasSeen(prior, material.name)) {
     throw ConfigError(
         fmt::format("{}: the prior \"{}\" has seen it: it lists it among the "
                     "materials it was learned from",
                     material.name, prior.name));
   }
-  if (holds(training_hashes, material.hash)) {
+  if (std::find(training_hashes.begin(), training_hashes.end(), material.hash) !=
+      training_hashes.end()) {
     throw ConfigError(
         fmt::format("{}: the prior \"{}\" has seen it: it was learned from a file "
                     "with the same content",

@@ -49,6 +49,7 @@ Setup Prepare(const RunOptions& options) {
   setup.material_path =
       LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);
   setup.material = OpenAny(setup.material_path);
+  WarnIfSeen(setup.plan.prior, setup.material_path.stem().string());
   setup.planner =
       MakePlanner(setup.plan, {.reachable = MeasurablePoses(setup.rig.config, *setup.material),
                                .costs = CostsOn(setup.rig.config),
@@ -67,7 +68,7 @@ SessionInfo Describe(const RunOptions& options, const Setup& setup, const Device
   info.plan_text = setup.plan.text;
   info.prior_name = setup.plan.prior.name;
   info.prior_spec = options.prior;
-  if (!options.prior.empty() && options.prior != "generic") {
+  if (!options.prior.empty() && !IsBuiltInPrior(options.prior)) {
     info.prior_spec = fs::absolute(options.prior).string();
   }
   info.prior_sha256 = HashOf(setup.plan.prior);

@@ -5,23 +5,23 @@
 
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <span>
 
-#include "acquisition/session.h"
-#include "acquisition/session_costs.h"
 #include "acquisition/time_estimate.h"
-#include "apps/gonio/build_rig.h"
 #include "apps/gonio/commands.h"
 #include "apps/gonio/interrupt.h"
 #include "apps/gonio/json_file.h"
 #include "apps/gonio/locate.h"
-#include "apps/gonio/open_any.h"
 #include "apps/gonio/progress.h"
+#include "apps/gonio/simulate_answer.h"
+#include "apps/gonio/simulate_materials.h"
+#include "apps/gonio/simulate_session.h"
+#include "apps/gonio/statistics.h"
 #include "apps/gonio/summary.h"
 #include "core/error.h"
-#include "fitting/fit.h"
-#include "fitting/process_fit.h"
-#include "planner/plan.h"
+#include "core/task_pool.h"
 
 namespace gonio {
 namespace {
@@ -29,86 +29,6 @@ namespace {
 using nlohmann::json;
 
 constexpr double kThinnedShare = 0.3;  // of the theta_h rows: the published decimation
-
-struct NamedPlan {
-  std::string name;
-  Plan plan;
-};
-
-struct Outcome {
-  int poses = 0;
-  int rejected = 0;
-  Seconds duration{0};
-  Seconds exposing_per_pose{0};
-  double male = std::numeric_limits<double>::quiet_NaN();
-  std::optional<double> predicted_error;
-  std::string reason;
-  SessionOutcome outcome = SessionOutcome::kComplete;
-};
-
-// Of what the plan's prior makes of the samples.
-double MaleOf(const std::vector<BrdfSample>& samples, const Plan& plan, const Brdf& material) {
-  if (plan.prior.process) {
-    return Compare(material, *FitProcess(samples, plan.prior), AllCores()).male;
-  }
-  return Compare(material, FitDsbrdf(samples, plan.prior, plan.fit), AllCores()).male;
-}
-
-Outcome RunOne(const SimulateOptions& options, const RigFile& rig_file, const NamedPlan& plan,
-               const Brdf& material, std::uint64_t seed, const Interrupt& interrupt) {
-  const std::unique_ptr<Planner> planner =
-      MakePlanner(plan.plan, {.reachable = MeasurablePoses(rig_file.config, material),
-                              .costs = CostsOn(rig_file.config),
-                              .seed = seed});
-  OpenedRig rig = OpenRig(rig_file, material, seed);
-  const bool quiet = options.quiet || options.json == "-";
-  ProgressLine line(fmt::format("{} on {}, seed {}", plan.name, material.name(), seed), quiet);
-  const SessionSummary summary =
-      RunSession({rig_file.config, rig.devices, *rig.clock, *planner}, {},
-                 {.after_pose = interrupt.after_pose(), .now = interrupt.now()},
-                 [&](const Progress& progress) { line.Show(progress); });
-  Outcome outcome{.poses = static_cast<int>(summary.poses.size()),
-                  .rejected = summary.rejected,
-                  .duration = summary.duration,
-                  .predicted_error = summary.predicted_error,
-                  .reason = summary.reason,
-                  .outcome = summary.outcome};
-  if (outcome.outcome != SessionOutcome::kComplete || summary.poses.empty()) return outcome;
-  outcome.exposing_per_pose = summary.exposing / static_cast<double>(summary.poses.size());
-  outcome.male = MaleOf(summary.Samples(), plan.plan, material);
-  return outcome;
-}
-
-// Means over the seeds of one plan and material.
-Outcome Mean(const std::vector<Outcome>& outcomes) {
-  Outcome mean;
-  mean.male = 0;
-  double poses = 0;
-  double predicted = 0;
-  int predictions = 0;
-  const auto n = static_cast<double>(outcomes.size());
-  for (const Outcome& o : outcomes) {
-    poses += o.poses / n;
-    mean.duration += o.duration / n;
-    mean.male += o.male / n;
-    predicted += o.predicted_error.value_or(0);
-    predictions += o.predicted_error ? 1 : 0;
-  }
-  mean.poses = static_cast<int>(std::lround(poses));
-  if (predictions > 0) mean.predicted_error = predicted / predictions;
-  return mean;
-}
-
-json ToJson(const NamedPlan& plan, const std::string& material, std::uint64_t seed,
-            const Outcome& o) {
-  json entry = {{"plan", plan.name},  {"material", material},
-                {"seed", seed},       {"prior", plan.plan.prior.name},
-                {"poses", o.poses},   {"rejected", o.rejected},
-                {"reason", o.reason}, {"duration_s", o.duration.count()},
-                {"male", o.male},     {"exposing_per_pose_s", o.exposing_per_pose.count()}};
-  entry["predicted_error"] = o.predicted_error ? json(*o.predicted_error) : json(nullptr);
-  return entry;
-}
 
 json ToJson(const TimeEstimate& estimate) {
   return {{"poses", estimate.poses},
@@ -120,81 +40,83 @@ json ToJson(const TimeEstimate& estimate) {
 
 double Hours(Seconds duration) { return duration.count() / 3600; }
 
+std::vector<NamedPlan> LoadPlans(const SimulateOptions& options) {
+  std::vector<NamedPlan> plans;
+  for (const std::string& name : options.plans) {
+    const auto path = LocateConfig(name);
+    for (const NamedPlan& other : plans) {
+      if (other.name == path.stem()) {
+        throw ConfigError(fmt::format("--plan: there are two called \"{}\"", other.name));
+      }
+    }
+    plans.push_back({path.stem().string(), LoadPlan(path)});
+    Plan& plan = plans.back().plan;
+    if (options.max_poses > 0) plan.max_poses = options.max_poses;
+    if (!options.prior.empty()) plan.prior = OpenPrior(options.prior, plan.prior.shape);
+  }
+  return plans;
+}
+
 class Simulation {
  public:
-  explicit Simulation(const SimulateOptions& options) : options_(options) {
-    rig_ = LoadRig(LocateConfig(options.rig));
+  explicit Simulation(const SimulateOptions& options)
+      : options_(options), rig_(LoadRig(LocateConfig(options.rig))) {
     if (!rig_.config.simulated) {
       throw ConfigError(options.rig + ": is not a simulated rig (kind: simulated)");
     }
-    for (const std::string& plan : options.plans) {
-      const auto path = LocateConfig(plan);
-      plans_.push_back({path.stem().string(), LoadPlan(path)});
-      if (options.max_poses > 0) plans_.back().plan.max_poses = options.max_poses;
-      Prior& prior = plans_.back().plan.prior;
-      if (!options.prior.empty()) prior = OpenPrior(options.prior, prior.shape);
-    }
-    for (const std::string& material : options.materials) {
-      materials_.push_back(OpenAny(LocateConfig(material)));
-    }
+    plans_ = LoadPlans(options);
+    materials_ = options.materials.empty() ? DrawMaterials(options.draws, options.seed, plans_)
+                                           : OpenMaterials(options.materials, plans_);
     dense_ = EstimateDenseScan(rig_.config, NominalExposing(rig_.config));
     thinned_ = EstimateDenseScan(rig_.config, NominalExposing(rig_.config), kThinnedShare);
+    sessions_.resize(materials_.size() * plans_.size() * static_cast<std::size_t>(options.seeds));
   }
 
   int Run() {
-    const Interrupt interrupt;
-    for (const auto& material : materials_) {
-      for (const NamedPlan& plan : plans_) {
-        const SessionOutcome outcome = RunSeeds(plan, *material, interrupt);
-        if (outcome != SessionOutcome::kComplete) return ExitCodeOf(outcome);
+    Measure();
+    for (const SimulatedSession& session : sessions_) {
+      if (session.outcome == SessionOutcome::kDeviceFault) {
+        fmt::print(stderr, "gonio: {} on {}: {}\n", session.plan, session.material, session.reason);
       }
+      if (session.outcome != SessionOutcome::kComplete) return ExitCodeOf(session.outcome);
     }
-    Report();
+    if (options_.json != "-") Print();
+    if (!options_.json.empty()) Write();
     return kDone;
   }
 
  private:
-  struct Row {
-    std::string plan;
-    std::string material;
-    Outcome mean;
-  };
+  // Sessions are sorted by material, then plan, then seed.
+  void Measure() {
+    const Interrupt interrupt;
+    const SessionStop stop{.after_pose = interrupt.after_pose(), .now = interrupt.now()};
+    ProgressLine line("simulating", options_.quiet || options_.json == "-");
+    std::mutex mutex;
+    int finished = 0;
+    const auto seeds = static_cast<std::size_t>(options_.seeds);
+    ForEachTask(sessions_.size(), ThreadsOr(options_.threads), stop.after_pose, [&](std::size_t i) {
+      const NamedMaterial& material = materials_[i / seeds / plans_.size()];
+      const NamedPlan& plan = plans_[i / seeds % plans_.size()];
+      sessions_[i] =
+          Simulate(rig_, plan, material, options_.seed + i % seeds, options_.target, stop);
+      const std::lock_guard lock(mutex);
+      ++finished;
+      const int total = static_cast<int>(sessions_.size());
+      line.Show(finished, total, fmt::format("{} of {} sessions", finished, total));
+    });
+  }
 
-  // kComplete, or how the first session that did not complete ended.
-  SessionOutcome RunSeeds(const NamedPlan& plan, const Brdf& material, const Interrupt& interrupt) {
-    std::vector<Outcome> outcomes;
-    for (int i = 0; i < options_.seeds; ++i) {
-      const std::uint64_t seed = options_.seed + static_cast<std::uint64_t>(i);
-      outcomes.push_back(RunOne(options_, rig_, plan, material, seed, interrupt));
-      const Outcome& last = outcomes.back();
-      if (last.outcome == SessionOutcome::kDeviceFault) {
-        fmt::print(stderr, "gonio: {} on {}: {}\n", plan.name, material.name(), last.reason);
-      }
-      if (last.outcome != SessionOutcome::kComplete) return last.outcome;
-      sessions_.push_back(ToJson(plan, material.name(), seed, outcomes.back()));
+  void Print() const {
+    if (materials_.front().drawn) {
+      fmt::print("No material was named: {} drawn from the prior \"{}\", which plans know, too.\n",
+                 materials_.size(), SourceOfDraws(plans_).name);
     }
-    rows_.push_back({plan.name, material.name(), Mean(outcomes)});
-    return SessionOutcome::kComplete;
-  }
-
-  void Report() const {
-    if (options_.json != "-") PrintTable();
-    if (options_.json.empty()) return;
-    WriteJson(options_.json, {{"gonio_version", GONIO_VERSION},
-                              {"rig", rig_.config.name},
-                              {"sessions", sessions_},
-                              {"dense_scan", ToJson(dense_)},
-                              {"thinned_scan", ToJson(thinned_)}});
-  }
-
-  void PrintTable() const {
     fmt::print("{:<20} {:<20} {:>6} {:>9} {:>9} {:>9} {:>9}\n", "material", "plan", "poses",
                "hours", "of dense", "MALE", "predicted");
-    for (const Row& row : rows_) {
-      const Outcome& o = row.mean;
-      fmt::print("{:<20} {:<20} {:>6} {:>9.3f} {:>7.1f} % {:>9.5f} {:>9}\n", row.material, row.plan,
-                 o.poses, Hours(o.duration), 100 * (o.duration / dense_.total()), o.male,
-                 o.predicted_error ? fmt::format("{:.5f}", *o.predicted_error) : "-");
+    const auto seeds = static_cast<std::size_t>(options_.seeds);
+    for (std::size_t i = 0; i < sessions_.size(); i += seeds) {
+      PrintMeans({sessions_.begin() + static_cast<std::ptrdiff_t>(i),
+                  sessions_.begin() + static_cast<std::ptrdiff_t>(i + seeds)});
     }
     fmt::print("{:<20} {:<20} {:>6} {:>9.3f}\n", "(estimate)", "dense scan", dense_.poses,
                Hours(dense_.total()));
@@ -204,16 +126,56 @@ class Simulation {
       fmt::print("means over seeds {} to {}\n", options_.seed,
                  options_.seed + static_cast<std::uint64_t>(options_.seeds) - 1);
     }
+    if (options_.target > 0) {
+      PrintAnswers(AnswersOf(sessions_), options_.target,
+                   {Hours(dense_.total()), Hours(thinned_.total())});
+    }
+  }
+
+  // Over the seeds of one plan and material.
+  void PrintMeans(std::span<const SimulatedSession> sessions) const {
+    const auto mean = [&](auto number) {
+      std::vector<double> numbers;
+      for (const SimulatedSession& session : sessions) numbers.push_back(number(session));
+      return MeanOf(numbers);
+    };
+    const double poses = mean([](const SimulatedSession& s) { return s.poses; });
+    const double hours = mean([](const SimulatedSession& s) { return Hours(s.duration); });
+    const double male = mean([](const SimulatedSession& s) { return s.male; });
+    const double predicted = mean([](const SimulatedSession& s) {
+      return s.predicted_error.value_or(std::numeric_limits<double>::quiet_NaN());
+    });
+    fmt::print("{:<20} {:<20} {:>6.0f} {:>9.3f} {:>7.1f} % {:>9.5f} {:>9}\n",
+               sessions.front().material, sessions.front().plan, poses, hours,
+               100 * hours / Hours(dense_.total()), male,
+               std::isnan(predicted) ? "-" : fmt::format("{:.5f}", predicted));
+  }
+
+  void Write() const {
+    json sessions = json::array();
+    for (const SimulatedSession& session : sessions_) {
+      sessions.push_back(ToJson(session, options_.target > 0));
+    }
+    json all = {{"gonio_version", GONIO_VERSION},
+                {"rig", rig_.config.name},
+                {"sessions", sessions},
+                {"dense_scan", ToJson(dense_)},
+                {"thinned_scan", ToJson(thinned_)}};
+    if (materials_.front().drawn) all["materials_drawn_from"] = SourceOfDraws(plans_).name;
+    if (options_.target > 0) {
+      all["target"] = options_.target;
+      for (const Answer& answer : AnswersOf(sessions_)) all["answers"].push_back(ToJson(answer));
+    }
+    WriteJson(options_.json, all);
   }
 
   const SimulateOptions& options_;
   RigFile rig_;
   std::vector<NamedPlan> plans_;
-  std::vector<std::unique_ptr<Brdf>> materials_;
+  std::vector<NamedMaterial> materials_;
   TimeEstimate dense_;
   TimeEstimate thinned_;
-  std::vector<Row> rows_;
-  json sessions_ = json::array();
+  std::vector<SimulatedSession> sessions_;
 };
 
 }  // namespace

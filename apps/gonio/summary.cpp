@@ -32,6 +32,13 @@ double PrintMale(const Brdf& truth, const Brdf& fit, const std::string& what) {
   return metrics.male;
 }
 
+void WarnIfSeen(const Prior& prior, const std::string& material) {
+  if (!HasSeen(prior, material)) return;
+  fmt::print(stderr,
+             "gonio: warning: the prior \"{}\" was learned from {}: what follows is too good\n",
+             prior.name, material);
+}
+
 int ExitCodeOf(SessionOutcome outcome) {
   switch (outcome) {
     case SessionOutcome::kComplete:

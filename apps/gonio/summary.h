@@ -22,6 +22,9 @@ double PrintMale(const Brdf& truth, const Brdf& fit, const std::string& what);
 // Metric options that use every core; the result does not depend on how many there are.
 MetricOptions AllCores();
 
+// Warns on standard error if the prior was learned from a material of this name.
+void WarnIfSeen(const Prior& prior, const std::string& material);
+
 // The exit code (commands.h) of `gonio` for the way a session ended.
 int ExitCodeOf(SessionOutcome outcome);
 

@@ -44,20 +44,7 @@ constexpr const char* kRun = "study s.yaml --materials data --out out";
 class Frontier : public GonioTest {
  protected:
   // Five materials, so that each of three folds leaves three to learn from.
-  Frontier() {
-    std::filesystem::create_directories(work() / "data");
-    Coated("enamel", "0.70, 0.66, 0.50", 0.12);
-    Coated("glaze", "0.06, 0.22, 0.40", 0.20);
-    Coated("lacquer", "0.30, 0.04, 0.03", 0.15);
-    Coated("paint", "0.11, 0.32, 0.36", 0.30);
-    Coated("rubber", "0.05, 0.05, 0.06", 0.45);
-  }
-  void Coated(const std::string& name, const std::string& albedo, double roughness) {
-    File("data/" + name + ".yaml", fmt::format("version: 1\nname: {}\nlayers:\n"
-                                               "  - {{kind: lambert, albedo: [{}]}}\n"
-                                               "  - {{kind: ggx, roughness: {}, ior: 1.5}}\n",
-                                               name, albedo, roughness));
-  }
+  Frontier() { WriteCoatings(); }
   json Read(const std::string& file) { return json::parse(ReadTextFile(work() / file)); }
   // The cells without the time they took.
   json Cells(const std::string& dir) {

@@ -56,6 +56,15 @@ class GonioTest : public testing::Test {
   std::filesystem::path File(const std::string& name, const std::string& text) {
     return work_.File(name, text);
   }
+  // data/NAME.yaml: five materials to learn from, unlike in colour and gloss.
+  void WriteCoatings() {
+    std::filesystem::create_directories(work() / "data");
+    Coated("enamel", "0.70, 0.66, 0.50", 0.12);
+    Coated("glaze", "0.06, 0.22, 0.40", 0.20);
+    Coated("lacquer", "0.30, 0.04, 0.03", 0.15);
+    Coated("paint", "0.11, 0.32, 0.36", 0.30);
+    Coated("rubber", "0.05, 0.05, 0.06", 0.45);
+  }
   // Names of what is in the test's folder.
   std::vector<std::string> Files() const {
     std::vector<std::string> names;
@@ -78,6 +87,13 @@ class GonioTest : public testing::Test {
   }
 
  private:
+  void Coated(const std::string& name, const std::string& albedo, double roughness) {
+    File("data/" + name + ".yaml", fmt::format("version: 1\nname: {}\nlayers:\n"
+                                               "  - {{kind: lambert, albedo: [{}]}}\n"
+                                               "  - {{kind: ggx, roughness: {}, ior: 1.5}}\n",
+                                               name, albedo, roughness));
+  }
+
   TempDir work_;
   TempDir logs_;
 };

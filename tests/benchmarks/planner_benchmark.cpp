@@ -6,7 +6,11 @@
 #include <chrono>
 #include <optional>
 
+#include "core/units.h"
+#include "fitting/prior.h"
+#include "fitting/process_fit.h"
 #include "planner/information_planner.h"
+#include "planner/process_gain.h"
 #include "tests/benchmarks/materials.h"
 
 namespace gonio {
@@ -55,6 +59,27 @@ void BM_PlanStep(benchmark::State& state) {
 }
 // A fixed number of steps: the planner learns as it goes, so more steps would be other steps.
 BENCHMARK(BM_PlanStep)->Arg(20)->Arg(100)->Iterations(20)->Unit(benchmark::kMillisecond);
+
+// One step with the shipped learned prior after that many readings: refit, score 8,100 candidates
+// with four phi_d each, choose.
+void BM_LearnedPlanStep(benchmark::State& state) {
+  const Prior prior = ReadPrior(GONIO_SOURCE_DIR "/configs/prior-measured.yaml");
+  const auto model = std::make_shared<const ProcessModel>(*prior.process);
+  std::vector<ProcessReading> readings;
+  const std::size_t apart = DenseReadings().size() / static_cast<std::size_t>(state.range(0));
+  for (std::size_t n = 0; n < static_cast<std::size_t>(state.range(0)); ++n) {
+    readings.push_back(ToReading(*model, DenseReadings()[n * apart]));
+  }
+  const ProcessOptions options;
+  ProcessGain gain(MakeCandidates({.phi_choices = 4, .phi_span = kPi}, {}), {});
+  gain.Learn(model, ProcessPosterior(*model, readings, options), options);
+  const std::vector<bool> spent(gain.candidates().size(), false);
+  for (auto _ : state) {
+    gain.Learn(model, ProcessPosterior(*model, readings, options), options);
+    benchmark::DoNotOptimize(gain.Best(spent, [](const Candidate&) { return 1.0; }));
+  }
+}
+BENCHMARK(BM_LearnedPlanStep)->Arg(20)->Arg(200)->Arg(1000)->Unit(benchmark::kMillisecond);
 
 }  // namespace
 }  // namespace gonio

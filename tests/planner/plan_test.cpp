@@ -193,7 +193,28 @@ TEST(MakePlanner, GivesTheHierarchicalPlanItsTravelTime) {
   EXPECT_DOUBLE_EQ(second->score, -travel(first->directions, second->directions));
 }
 
-TEST(OpenPrior, KnowsTheGenericOneAndFiles) {
+// The process is offered other phi_d than the plan itself: its candidates are checked by
+// themselves.
+TEST(MakePlanner, RefusesAProcessWithoutCandidates) {
+  Plan plan = LoadPlan(Config("plan-information.yaml"));
+  auto process = std::make_shared<ProcessPrior>();
+  const int size = process->basis.size();
+  process->mean.setZero(size);
+  process->luminance = process->chroma = Eigen::MatrixXd::Constant(size, 1, 0.1);
+  process->stationary_luminance = process->stationary_chroma = Eigen::VectorXd::Zero(size);
+  plan.prior.process = process;
+  plan.candidates.theta_h_count = plan.candidates.theta_d_count = 1;
+  const auto none = [](const DirectionPair&) { return false; };
+  const std::string why =
+      "plan information: the rig cannot reach any of its poses: check the "
+      "rig's axis limits, geometry.max_polar_deg and "
+      "geometry.min_separation_deg";
+  EXPECT_EQ(MessageOf<ConfigError>([&] { MakePlanner(plan, {.reachable = none}); }), why);
+}
+
+TEST(OpenPrior, KnowsTheBuiltInOnesAndFiles) {
+  EXPECT_EQ(OpenPrior("none", DsbrdfShape{2, 6}).name, "none");
+  EXPECT_EQ(OpenPrior("none", DsbrdfShape{2, 6}).shape, (DsbrdfShape{2, 6}));
   EXPECT_EQ(OpenPrior("generic", DsbrdfShape{2, 6}).shape, (DsbrdfShape{2, 6}));
   EXPECT_EQ(MessageOf<ConfigError>([] { OpenPrior("no/prior.yaml", DsbrdfShape{}); }),
             "no/prior.yaml: cannot read: No such file or directory");
