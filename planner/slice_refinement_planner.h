@@ -25,14 +25,12 @@ struct SliceRefinementOptions {
 //
 //   1. Opening: three slices along theta_h (theta_d about 5, 40 and 75 deg) and three along theta_d
 //      (at the peak, on its shoulder, off it), a dozen poses.
-//   2. Between two neighbouring readings a step h apart on a slice, interpolating y errs by h^2 k /
-//   8,
-//      k the second difference of y there (at the worse end; lent by the nearest slice of the same
-//      kind where there are too few readings), less what noise explains. An interval counts by that
-//      error, times h, times how far it is to the slices on both sides.
+//   2. Between two neighbouring readings a step h apart on a slice, interpolating y errs by
+//      h^2 k / 8, k the second difference of y there (at the worse end; lent by the nearest slice
+//      of the same kind where there are too few readings), less what noise explains. An interval
+//      counts by that error, times h, times how far it is to the slices on both sides.
 //   3. The middle of the interval that counts most is measured. If that was on a slice along
-//   theta_d,
-//      a new slice along theta_h starts there.
+//      theta_d, a new slice along theta_h starts there.
 //   4. When no slice has anything left, one starts in the widest gap.
 //
 // h is counted in sqrt(theta_h / 90 deg) and in half of theta_d / 90 deg. Theirs works on a
