@@ -14,7 +14,8 @@
 namespace gonio {
 namespace {
 
-constexpr Reconstruction kReconstructions[] = {Reconstruction::kDsbrdf, Reconstruction::kProcess};
+constexpr Reconstruction kReconstructions[] = {Reconstruction::kDsbrdf, Reconstruction::kProcess,
+                                               Reconstruction::kPca, Reconstruction::kScattered};
 
 std::vector<std::string> TextsOr(const ConfigNode& node, const char* key,
                                  std::vector<std::string> fallback) {
@@ -116,8 +117,17 @@ const char* NameOf(Reconstruction reconstruction) {
       return "dsbrdf";
     case Reconstruction::kProcess:
       return "process";
+    case Reconstruction::kPca:
+      return "pca";
+    case Reconstruction::kScattered:
+      return "scattered";
   }
   return "";
+}
+
+bool Contestant::NeedsPca() const {
+  return reconstruction == Reconstruction::kPca || plan.kind == PlannerKind::kPivotedQr ||
+         plan.kind == PlannerKind::kFrost;
 }
 
 FrontierConfig LoadFrontier(const std::filesystem::path& path) {

@@ -17,9 +17,9 @@
 namespace gonio {
 
 // What makes a reflectance of the samples of a session.
-enum class Reconstruction { kDsbrdf, kProcess };
+enum class Reconstruction { kDsbrdf, kProcess, kPca, kScattered };
 
-// "dsbrdf", "process"
+// "dsbrdf", "process", "pca", "scattered"
 const char* NameOf(Reconstruction reconstruction);
 
 // A planner and what is made of its samples.
@@ -31,6 +31,11 @@ struct Contestant {
   bool learned_prior = true;
   // A session of its own for every budget, as grids need; else the first n poses of the longest.
   bool per_budget = false;
+
+  // Its directions or its reconstruction come from the training materials' principal components.
+  bool NeedsPca() const;
+  // It knows something of the other folds' materials.
+  bool IsTaught() const { return learned_prior || NeedsPca(); }
 };
 
 struct FrontierConfig {

@@ -102,8 +102,8 @@ void RefuseSeen(const FrontierMaterial& material, const Prior& prior,
 }
 
 Fold::Fold(int number, const std::vector<FrontierMaterial>& materials, std::filesystem::path dir,
-           int users)
-    : number_(number), dir_(std::move(dir)), users_(users) {
+           int users, bool with_pca)
+    : number_(number), dir_(std::move(dir)), users_(users), with_pca_(with_pca) {
   std::string hashed = fmt::format("{}", kLearningVersion);
   for (const FrontierMaterial& material : materials) {
     if (material.role == Role::kHeldOut || material.fold == number) continue;
@@ -151,6 +151,7 @@ std::shared_ptr<const Knowledge> Fold::Get() {
     auto knowledge = std::make_shared<Knowledge>();
     knowledge->prior = ReadPrior(PriorFile());
     for (const FrontierMaterial& material : training_) knowledge->hashes.push_back(material.hash);
+    if (with_pca_) knowledge->pca = LearnPca(training_);
     knowledge_ = knowledge;
   }
   return knowledge_;

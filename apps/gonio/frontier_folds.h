@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "apps/gonio/frontier_config.h"
+#include "fitting/pca_reflectance.h"
 #include "fitting/prior.h"
 
 namespace gonio {
@@ -42,15 +43,18 @@ void RefuseSeen(const FrontierMaterial& material, const Prior& prior,
 // extra files.
 struct Knowledge {
   Prior prior;
-  std::vector<std::string> hashes;  // of the files it was learned from
+  std::shared_ptr<const PcaBasis> pca;  // if a contestant needs it
+  std::vector<std::string> hashes;      // of the files it was learned from
 };
 
-// Learns a fold's knowledge, keeps it in `dir`/priors and reads it back. Many threads.
+// Learns a fold's knowledge, keeps it in `dir`/priors and reads it back; principal components are
+// too large to keep and computed when they are first asked for. Many threads.
 class Fold {
  public:
   // `users`: how often Done() will be called; the knowledge is dropped from memory by the last.
+  // `with_pca`: one of them needs principal components.
   Fold(int number, const std::vector<FrontierMaterial>& materials, std::filesystem::path dir,
-       int users);
+       int users, bool with_pca);
 
   // Whatever the knowledge depends on.
   const std::string& key() const { return key_; }
@@ -72,6 +76,7 @@ class Fold {
   std::mutex mutex_;
   std::shared_ptr<const Knowledge> knowledge_;
   int users_;
+  const bool with_pca_;
 };
 
 }  // namespace gonio

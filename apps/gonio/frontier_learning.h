@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string>
 
@@ -12,5 +13,8 @@ namespace gonio {
 
 // Opens the materials and learns a prior that lists them. Throws ConfigError.
 Prior LearnFrom(std::span<const FrontierMaterial> materials, const std::string& name);
+
+// The same for principal components. One fold at a time, since all materials are in memory.
+std::shared_ptr<const PcaBasis> LearnPca(std::span<const FrontierMaterial> materials);
 
 }  // namespace gonio

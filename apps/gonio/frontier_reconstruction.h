@@ -11,8 +11,8 @@
 
 namespace gonio {
 
-// `plan` brings prior and fit options; `learned` is null for a contestant that keeps its plan's
-// prior. Throws ConfigError if the samples do not suffice.
+// `plan` brings prior and fit options; `learned` is null for a contestant that is not taught.
+// Throws ConfigError if the samples do not suffice.
 std::unique_ptr<Brdf> Reconstruct(Reconstruction how, std::span<const BrdfSample> samples,
                                   const Plan& plan, const Knowledge* learned);
 

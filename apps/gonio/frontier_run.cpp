@@ -86,12 +86,14 @@ class Run {
   // Only folds that somebody needs.
   void AddFolds(const std::vector<FrontierMaterial>& materials) {
     std::map<int, int> users;
+    bool with_pca = false;
     for (const Task& task : tasks_) {
-      if (task.contestant->learned_prior) ++users[task.material->fold];
+      if (task.contestant->IsTaught()) ++users[task.material->fold];
+      with_pca = with_pca || task.contestant->NeedsPca();
     }
     for (const auto& [number, count] : users) {
       fold_index_[number] = folds_.size();
-      folds_.push_back(std::make_unique<Fold>(number, materials, dir_, count));
+      folds_.push_back(std::make_unique<Fold>(number, materials, dir_, count, with_pca));
       fold_failures_.emplace_back();
     }
   }
@@ -167,8 +169,8 @@ class Run {
   // What the numbers of a task depend on.
   std::string Key(const Task& task) const {
     const Contestant& c = *task.contestant;
-    const std::string prior =
-        c.learned_prior ? folds_[fold_index_.at(task.material->fold)]->key() : HashOf(c.plan.prior);
+    std::string prior = c.learned_prior ? "" : HashOf(c.plan.prior);
+    if (c.IsTaught()) prior += folds_[fold_index_.at(task.material->fold)]->key();
     return Sha256(fmt::format("{}\n{}\n{}\n{}\n{}\n{}\n{} {} {}\n{}\n{}\n{} {}", kNumbersVersion,
                               task.material->hash, prior, c.plan.text, study_.rig.config.text,
                               NameOf(c.reconstruction), c.per_budget, task.noise, task.seed,
@@ -183,7 +185,7 @@ class Run {
                       fmt::format("{}-{}-{}.json", contestant.name, task.noise, task.seed);
     const std::string key = Key(task);
     Fold* fold =
-        contestant.learned_prior ? folds_[fold_index_.at(task.material->fold)].get() : nullptr;
+        contestant.IsTaught() ? folds_[fold_index_.at(task.material->fold)].get() : nullptr;
     auto before = ReadFrontierCell(file, key);
     if (before) task.cell = std::move(*before);
     const bool whole = before || Measure(fold, &task);

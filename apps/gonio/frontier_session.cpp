@@ -46,7 +46,7 @@ class Task {
         truth_(OpenBrdf(session.material.path)),
         plan_(session.contestant.plan) {
     static const std::vector<std::string> kNone;
-    if (session.learned != nullptr) plan_.prior = session.learned->prior;
+    if (session.contestant.learned_prior) plan_.prior = session.learned->prior;
     RefuseSeen(session.material, plan_.prior,
                session.learned != nullptr ? session.learned->hashes : kNone);
   }
@@ -70,6 +70,7 @@ class Task {
     const std::unique_ptr<Planner> planner =
         MakePlanner(plan_, {.reachable = MeasurablePoses(rig_file.config, *truth_),
                             .costs = CostsOn(rig_file.config),
+                            .pca = session_.learned != nullptr ? session_.learned->pca : nullptr,
                             .seed = session_.seed});
     OpenedRig rig = OpenRig(rig_file, *truth_, session_.seed);
     summary_ = RunSession({rig_file.config, rig.devices, *rig.clock, *planner}, {},

@@ -21,7 +21,7 @@ struct FrontierSession {
   const RigFile& rig;  // as the noise wants it
   const FrontierMaterial& material;
   const Contestant& contestant;
-  const Knowledge* learned = nullptr;  // null for a contestant that keeps its plan's prior
+  const Knowledge* learned = nullptr;  // null for a contestant that is not taught
   std::uint64_t seed = 1;
 };
 

@@ -165,6 +165,28 @@ TEST_F(Frontier, GoesOnAfterAContestantThatFails) {
   EXPECT_THAT(run.out, HasSubstr("failed           5 of 18 tasks"));
 }
 
+TEST_F(Frontier, LetsRivalsPlayWithWhatTheOtherFoldsTaught) {
+  std::string yaml = kStudy;
+  const std::string tail = "\n    prior: plan\n    plan: |\n      version: 1\n      name: x\n";
+  for (const char* rival : {"pivoted-qr", "frost", "nielsen"}) {
+    yaml += std::string("  - name: ") + rival + "\n    reconstruction: pca" + tail +
+            "      planner: " + rival + "\n      max_poses: 5\n";
+  }
+  for (const char* rival : {"slices", "hierarchical"}) {
+    yaml += std::string("  - name: ") + rival + "\n    reconstruction: scattered" + tail +
+            "      planner: " + rival + "\n";
+  }
+  File("s.yaml", yaml);
+  Expect(kRun);
+  const json cells = Cells("out");
+  ASSERT_EQ(cells.size(), 35u);
+  for (const json& cell : cells) {
+    const json& many = cell["rows"][1];
+    EXPECT_EQ(many["poses"], cell["contestant"] == "nielsen" ? 5 : 12) << cell["contestant"];
+    EXPECT_LT(many["male"].get<double>(), 0.2) << cell["contestant"];
+  }
+}
+
 TEST_F(Frontier, RefusesFilesThatAreWrong) {
   const auto refuse = [&](const std::string& from, const std::string& to, const std::string& why) {
     File("s.yaml", With(kStudy, from, to));
