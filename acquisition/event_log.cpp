@@ -215,6 +215,7 @@ Result<void> EventLog::AppendPose(const PoseNote& note, const PoseRecord& record
                         {"candidate", note.proposal.candidate},
                         {"reason", note.proposal.reason},
                         {"frames", record.exposures.size()},
+                        {"frames_wanted", note.proposal.frames},
                         {"move_retries", record.move_retries},
                         {"commanded_rad", record.commanded},
                         {"readback_rad", record.readback}});

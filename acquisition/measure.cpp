@@ -58,8 +58,9 @@ Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
 }
 
 Result<PoseRecord> PoseMeasurer::Measure(const DirectionPair& pair,
-                                         const std::optional<Rgb>& expected, std::stop_token stop) {
-  auto record = MeasureOrFail(pair, expected, stop);
+                                         const std::optional<Rgb>& expected, std::stop_token stop,
+                                         int frames) {
+  auto record = MeasureOrFail(pair, expected, stop, frames);
   // The first error is the one to report; stopping may fail for the same reason.
   if (!record && record.error().code != ErrorCode::kRefused) (void)StopAll(devices_);
   return record;
@@ -67,11 +68,12 @@ Result<PoseRecord> PoseMeasurer::Measure(const DirectionPair& pair,
 
 Result<PoseRecord> PoseMeasurer::MeasureOrFail(const DirectionPair& pair,
                                                const std::optional<Rgb>& expected,
-                                               std::stop_token stop) {
+                                               std::stop_token stop, int frames) {
   PoseRecord record;
   record.start = clock_.Now();
   if (auto moved = MoveTo(pair, record, stop); !moved) return moved.error();
   if (auto exposed = ExposeUntilUsable(expected, record, stop); !exposed) return exposed.error();
+  if (auto repeated = RepeatSuited(frames, record, stop); !repeated) return repeated.error();
   record.end = clock_.Now();
   return record;
 }
@@ -112,9 +114,7 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
   while (next && std::ssize(record.exposures) < rig_.exposure.max_frames) {
     if (!record.exposures.empty()) monitor = ReadMonitor();
     if (!monitor) return monitor.error();
-    auto exposure = Expose(*next, *monitor, stop);
-    if (!exposure) return exposure.error();
-    record.exposures.push_back(std::move(exposure).value());
+    if (auto added = AddExposure(*next, *monitor, record, stop); !added) return added;
     next = NextExposure(record.exposures, rig_);
   }
   if (AllSaturated(record.exposures)) {
@@ -124,6 +124,25 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
                       : "saturated at the shortest exposure"};
   }
   if (const auto suited = Suited(record.exposures)) last_exposure_ = suited;
+  return {};
+}
+
+Result<void> PoseMeasurer::RepeatSuited(int frames, PoseRecord& record, std::stop_token stop) {
+  const auto suited = Suited(record.exposures);
+  for (int n = 1; suited && n < frames; ++n) {
+    if (std::ssize(record.exposures) >= rig_.exposure.max_frames) break;
+    const auto monitor = ReadMonitor();
+    if (!monitor) return monitor.error();
+    if (auto added = AddExposure(*suited, *monitor, record, stop); !added) return added;
+  }
+  return {};
+}
+
+Result<void> PoseMeasurer::AddExposure(Seconds exposure, double monitor, PoseRecord& record,
+                                       std::stop_token stop) {
+  auto taken = Expose(exposure, monitor, stop);
+  if (!taken) return taken.error();
+  record.exposures.push_back(std::move(taken).value());
   return {};
 }
 

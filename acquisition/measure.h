@@ -38,18 +38,24 @@ class PoseMeasurer {
   // kRefused: skip the pose: it is out of reach, an axis missed its target after all retries, or
   // every channel is saturated at the shortest exposure. Any other error ends the session: the
   // axes have been stopped.
+  //
+  // `frames`: once a frame suits, it is repeated until there are so many, or as many as the rig
+  // allows a pose.
   Result<PoseRecord> Measure(const DirectionPair& pair, const std::optional<Rgb>& expected,
-                             std::stop_token stop);
+                             std::stop_token stop, int frames = 1);
 
   // Where the arms are, by their encoders.
   const ArmAngles& position() const { return position_; }
 
  private:
   Result<PoseRecord> MeasureOrFail(const DirectionPair& pair, const std::optional<Rgb>& expected,
-                                   std::stop_token stop);
+                                   std::stop_token stop, int frames);
   Result<void> MoveTo(const DirectionPair& pair, PoseRecord& record, std::stop_token stop);
   Result<void> ExposeUntilUsable(const std::optional<Rgb>& expected, PoseRecord& record,
                                  std::stop_token stop);
+  Result<void> RepeatSuited(int frames, PoseRecord& record, std::stop_token stop);
+  Result<void> AddExposure(Seconds exposure, double monitor, PoseRecord& record,
+                           std::stop_token stop);
   Result<double> ReadMonitor();
   Result<Exposure> Expose(Seconds exposure, double monitor, std::stop_token stop);
 

@@ -92,4 +92,22 @@ BrdfSample Reduce(const PoseRecord& pose, const RigConfig& rig) {
   return sample;
 }
 
+Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, Seconds exposure,
+                  const RigConfig& rig) {
+  const RadiometryConfig& r = rig.radiometry;
+  Rgb sigma = Rgb::Constant(std::numeric_limits<double>::infinity());
+  const double light = pair.cos_theta_i() * rig.light_level * exposure.count();
+  if (!(light > 0)) return sigma;
+  const Reading dark{.electrons = 0,
+                     .gain = 0,
+                     .dark = r.dark_current * exposure.count(),
+                     .pixels = static_cast<double>(rig.camera.width) * rig.camera.height};
+  for (int c = 0; c < kChannels; ++c) {
+    Reading reading = dark;
+    reading.gain = r.responsivity[c] * light;
+    sigma[c] = std::sqrt(Variance(reading, f_r[c], r)) / reading.gain;
+  }
+  return sigma;
+}
+
 }  // namespace gonio

@@ -15,4 +15,8 @@ namespace gonio {
 // equation.
 BrdfSample Reduce(const PoseRecord& pose, const RigConfig& rig);
 
+// The sigma [1/sr] it would give for one frame without saturation, if f_r were this.
+Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, Seconds exposure,
+                  const RigConfig& rig);
+
 }  // namespace gonio

@@ -75,7 +75,8 @@ class Session {
     if (!proposal) return End(SessionOutcome::kComplete, parts_.planner.reason());
 
     const std::optional<Rgb> expected = parts_.planner.Predict(proposal->directions);
-    Result<PoseRecord> record = measurer_.Measure(proposal->directions, expected, stop_.now);
+    Result<PoseRecord> record =
+        measurer_.Measure(proposal->directions, expected, stop_.now, proposal->frames);
     if (record.ok()) return Take(*proposal, *record);
     if (record.error().code == ErrorCode::kRefused) return Reject(*proposal, record.error());
     return EndWith(record.error());

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "acquisition/session_costs.h"
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <optional>
 
 #include "acquisition/exposure.h"
 #include "acquisition/kinematics.h"
+#include "acquisition/radiometry.h"
 
 namespace gonio {
 namespace {
@@ -39,6 +41,13 @@ class Starts {
   std::size_t next_ = 0;
 };
 
+// The first frame of a pose where f_r is foretold.
+Seconds FrameFor(const DirectionPair& pair, const Rgb& f_r, const RigConfig& rig) {
+  const RadiometryConfig& r = rig.radiometry;
+  const double light = std::max(pair.cos_theta_i(), 0.0) * rig.light_level;
+  return FirstExposure(r.responsivity * f_r * (light / r.electrons_per_count), rig);
+}
+
 }  // namespace
 
 SessionCosts CostsOn(const RigConfig& rig) {
@@ -50,13 +59,19 @@ SessionCosts CostsOn(const RigConfig& rig) {
     const std::optional<ArmAngles> end = starts->kinematics().Inverse(to, *start);
     return end ? starts->kinematics().TravelTime(*start, *end).count() : 0.0;
   };
-  costs.pose = [rig](const DirectionPair& pair, const Rgb& f_r) {
-    const RadiometryConfig& r = rig.radiometry;
-    const Rgb rates =
-        r.responsivity * f_r * (pair.cos_theta_i() * rig.light_level / r.electrons_per_count);
-    return (rig.motion.settle + FirstExposure(rates, rig) + rig.camera.readout).count();
+  costs.frame = [rig](const DirectionPair& pair, const Rgb& f_r) {
+    return (FrameFor(pair, f_r, rig) + rig.camera.readout).count();
   };
+  costs.pose = [frame = costs.frame, settle = rig.motion.settle.count()](
+                   const DirectionPair& pair, const Rgb& f_r) { return settle + frame(pair, f_r); };
+  costs.max_frames = rig.exposure.max_frames;
   return costs;
+}
+
+ExpectedNoise NoiseOn(const RigConfig& rig) {
+  return [rig](const DirectionPair& pair, const Rgb& f_r) {
+    return ExpectedSigma(pair, f_r, FrameFor(pair, f_r, rig), rig);
+  };
 }
 
 }  // namespace gonio

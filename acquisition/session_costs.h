@@ -14,9 +14,14 @@ namespace gonio {
 // session, whose arms come from somewhere else, take another time. Poses out of reach cost nothing.
 //
 // pose: settling, one frame exposed as a session exposes where it expects this f_r, and its
-// read-out. Further frames, monitor readings and retries are not foreseen.
+// read-out. Frames for darker channels, monitor readings and retries are not foreseen.
+//
+// frame: such a frame and its read-out. max_frames: the rig's, for metering frames included.
 //
 // Each function remembers its last answers: for one thread, and the copies of a function too.
 SessionCosts CostsOn(const RigConfig& rig);
+
+// What Reduce() would give as sigma for that frame.
+ExpectedNoise NoiseOn(const RigConfig& rig);
 
 }  // namespace gonio

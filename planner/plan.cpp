@@ -163,6 +163,7 @@ std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInput
   options.gain.objective = plan.information.gain.objective;
   options.gain.max_polar = plan.information.gain.max_polar;
   options.gain.relative_noise = plan.information.gain.relative_noise;
+  options.gain.noise = inputs.noise;
   options.prior = plan.prior.process;
   return std::make_unique<ProcessPlanner>(OfferedBy(plan, candidates, inputs.reachable), options,
                                           plan.mind_time ? inputs.costs : SessionCosts{});

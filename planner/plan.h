@@ -60,6 +60,7 @@ Prior OpenPrior(const std::string& name, const DsbrdfShape& shape);
 struct PlannerInputs {
   Reachable reachable = {};  // if empty, every candidate above the horizon is
   SessionCosts costs = {};   // kInformation with a learned process; kHierarchical: travel only
+  ExpectedNoise noise = {};  // kInformation with a learned process; if empty, a default
   std::shared_ptr<const PcaBasis> pca = nullptr;  // kPivotedQr, kFrost: required
   std::uint64_t seed = 0;                         // kRandom
 };

@@ -18,6 +18,7 @@ struct Proposal {
   int candidate = 0;   // index into the candidate set
   double score = 0;    // what the planner maximised, in its own unit; larger is better
   std::string reason;  // one short phrase for the log: "opening", "information", "raster"
+  int frames = 1;      // usable exposures wanted: the noise of several averages out
 };
 
 // Seconds from one pose to the next, all axes moving together; both poses within reach. Its answers
@@ -27,9 +28,15 @@ using TravelTime = std::function<double(const DirectionPair& from, const Directi
 // What a pose costs on the rig; an empty function costs nothing.
 struct SessionCosts {
   TravelTime travel = {};
-  // Seconds of settling, exposing and reading out at a pose where f_r is about this [1/sr].
+  // Seconds of settling, exposing and reading out at a pose where f_r is about this [1/sr], ...
   std::function<double(const DirectionPair& pair, const Rgb& f_r)> pose = {};
+  // ... and those of one more exposure there. Empty: one has to do.
+  std::function<double(const DirectionPair& pair, const Rgb& f_r)> frame = {};
+  int max_frames = 1;  // that a pose may have
 };
+
+// Standard deviation of a reading [1/sr] by the noise of one exposure, where f_r is about this.
+using ExpectedNoise = std::function<Rgb(const DirectionPair& pair, const Rgb& f_r)>;
 
 // A planner is a plain conversation, with no clock, no device and no file:
 //

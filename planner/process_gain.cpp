@@ -91,7 +91,7 @@ void ProcessGain::SetModel(std::shared_ptr<const ProcessModel> model) {
 void ProcessGain::Learn(std::shared_ptr<const ProcessModel> model,
                         const ProcessPosterior& posterior, const ProcessOptions& process) {
   SetModel(std::move(model));
-  weights_ = posterior.weights();
+  for (int s = 0; s < kChannels; ++s) weights_[s] = posterior.weights()[s].cast<float>();
   model_error_ = process.model_error;
   repeatability_ = process.repeatability;
   groups_.resize(model_->groups().size());
@@ -165,35 +165,44 @@ void ProcessGain::ScoreCoarse() {
     state.variance = (p * phi).cwiseProduct(phi).colwise().sum();
     state.numerator = (m * phi).cwiseProduct(phi).colwise().sum();
     state.noise.resize(phi.cols());
-    for (Eigen::Index k = 0; k < phi.cols(); ++k) {
-      state.noise[k] = static_cast<float>(NoiseVariance(coarse_[k], static_cast<int>(g)));
+  }
+  for (std::size_t k = 0; k < coarse_.size(); ++k) {
+    const std::vector<double> noise = NoiseVariance(coarse_[k], 1);
+    for (std::size_t g = 0; g < groups_.size(); ++g) {
+      groups_[g].noise[static_cast<Eigen::Index>(k)] = static_cast<float>(noise[g]);
     }
   }
 }
 
-double ProcessGain::NoiseVariance(int candidate, int group_index) const {
-  const ProcessModel::Group& group = model_->groups()[group_index];
+std::vector<double> ProcessGain::NoiseVariance(int candidate, int frames) const {
   Eigen::Vector3d series = candidate_means_.col(candidate);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
-    const ProcessModel::Group& other = model_->groups()[g];
-    for (int s = other.first_series; s < other.first_series + other.series; ++s) {
-      series[s] += features_[g].col(candidate).cast<double>().dot(weights_[s]);
+    const ProcessModel::Group& group = model_->groups()[g];
+    for (int s = group.first_series; s < group.first_series + group.series; ++s) {
+      series[s] += features_[g].col(candidate).dot(weights_[s]);
     }
   }
   const Eigen::Matrix3d& t = model_->transform();
-  const Eigen::Vector3d z = t.transpose() * series;
+  const Rgb f_r = model_->ReflectanceOf(t.transpose() * series);
+  const Rgb sigma = Noise(candidates_[candidate].directions, f_r);
   Eigen::Vector3d noise;
   for (int c = 0; c < kChannels; ++c) {
-    const double f = std::max(FromGeneralisedLog(z[c], model_->floor()), 0.0);
-    const double slope = GeneralisedLogSlope(f, model_->floor());
-    const double relative = options_.relative_noise * f;
-    const double variance =
-        (relative * relative + options_.absolute_noise * options_.absolute_noise) * slope * slope;
-    noise[c] = variance + model_error_ * model_error_;
+    const double sensor = sigma[c] * GeneralisedLogSlope(f_r[c], model_->floor());
+    noise[c] = sensor * sensor / frames + model_error_ * model_error_;
   }
   const Eigen::Vector3d common = t.rowwise().sum() * repeatability_;
   const Eigen::Vector3d all = t.cwiseAbs2() * noise + common.cwiseAbs2();
-  return all.segment(group.first_series, group.series).mean();
+  std::vector<double> variances;
+  for (const ProcessModel::Group& group : model_->groups()) {
+    variances.push_back(all.segment(group.first_series, group.series).mean());
+  }
+  return variances;
+}
+
+Rgb ProcessGain::Noise(const DirectionPair& pair, const Rgb& f_r) const {
+  if (options_.noise) return options_.noise(pair, f_r);
+  const double floor = options_.absolute_noise * options_.absolute_noise;
+  return ((options_.relative_noise * f_r).square() + floor).sqrt();
 }
 
 std::vector<int> ProcessGain::Near(int candidate) const {
@@ -210,14 +219,15 @@ std::vector<int> ProcessGain::Near(int candidate) const {
   return near;
 }
 
-double ProcessGain::GainOf(int candidate) const {
+double ProcessGain::GainOf(int candidate, int frames) const {
   if (!(total_ > 0)) return 0;
+  const std::vector<double> noise = NoiseVariance(candidate, frames);
   double gain = 0;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const Eigen::VectorXd phi = features_[g].col(candidate).cast<double>();
     const double variance = phi.dot(groups_[g].covariance * phi);
     const double numerator = phi.dot(groups_[g].taught * phi);
-    gain += numerator / (variance + NoiseVariance(candidate, static_cast<int>(g)));
+    gain += numerator / (variance + noise[g]);
   }
   return gain / total_;
 }
@@ -258,13 +268,14 @@ ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Cost
   return {candidate, gain, gain / cost(candidates_[candidate])};
 }
 
-void ProcessGain::Suppose(int candidate) {
+void ProcessGain::Suppose(int candidate, int frames) {
+  const std::vector<double> noise = NoiseVariance(candidate, frames);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     GroupState& state = groups_[g];
     const Eigen::VectorXd phi = features_[g].col(candidate).cast<double>();
     const Eigen::VectorXd p = state.covariance * phi;
     const Eigen::VectorXd q = state.covariance * (state.objective * p);
-    const double s = phi.dot(p) + NoiseVariance(candidate, static_cast<int>(g));
+    const double s = phi.dot(p) + noise[g];
     const double r = p.dot(state.objective * p);
     state.covariance -= p * p.transpose() / s;
     state.taught += (-p * q.transpose() - q * p.transpose() + (r / s) * p * p.transpose()) / s;

@@ -12,6 +12,7 @@
 #include "fitting/process_fit.h"
 #include "planner/candidates.h"
 #include "planner/information_gain.h"
+#include "planner/planner.h"
 #include "planner/spread_directions.h"
 
 namespace gonio {
@@ -19,7 +20,8 @@ namespace gonio {
 struct ProcessGainOptions {
   Objective objective = Objective::kMale;
   double max_polar = 1.3962634;   // rad (80 deg): directions nearer to the horizon do not count
-  double relative_noise = 0.015;  // > 0: relative sigma expected of a reading
+  ExpectedNoise noise = {};       // of a reading; if empty:
+  double relative_noise = 0.015;  // > 0: its relative sigma
   double absolute_noise = 5e-4;   // 1/sr, > 0: the same of a dark sample
   int targets = 1200;             // directions the objective is summed over, > 0
   int coarse = 1500;              // candidates scored before those around the best are, > 0
@@ -47,8 +49,8 @@ class ProcessGain {
   // model is another one than before.
   void Learn(std::shared_ptr<const ProcessModel> model, const ProcessPosterior& posterior,
              const ProcessOptions& process);
-  // As if this candidate had been measured.
-  void Suppose(int candidate);
+  // As if this candidate had been measured, so many exposures averaged.
+  void Suppose(int candidate, int frames = 1);
 
   // What counts against a gain: seconds, or anything else > 0. Called often.
   using Cost = std::function<double(const Candidate&)>;
@@ -60,7 +62,7 @@ class ProcessGain {
   // The candidate with the largest gain / cost among those not `spent`.
   Choice Best(const std::vector<bool>& spent, const Cost& cost) const;
   // The gain of one candidate.
-  double GainOf(int candidate) const;
+  double GainOf(int candidate, int frames = 1) const;
 
   // Mean absolute error of the objective's quantity that the fit as it is will hardly exceed
   // (ProcessPrior::error_margin), and what would be left of it if every weight were known.
@@ -81,7 +83,9 @@ class ProcessGain {
   void SetModel(std::shared_ptr<const ProcessModel> model);
   void SetObjective(const ProcessPosterior& posterior, const ProcessOptions& process);
   void ScoreCoarse();
-  double NoiseVariance(int candidate, int group) const;
+  // r of a reading of so many frames, for every group.
+  std::vector<double> NoiseVariance(int candidate, int frames) const;
+  Rgb Noise(const DirectionPair& pair, const Rgb& f_r) const;
   std::vector<int> Near(int candidate) const;
 
   std::vector<Candidate> candidates_;
@@ -98,7 +102,7 @@ class ProcessGain {
   std::vector<Eigen::MatrixXd> on_targets_;
   Eigen::MatrixXd candidate_means_;  // 3 series, a column for each candidate
   Eigen::MatrixXd target_means_;
-  std::array<Eigen::VectorXd, kChannels> weights_;
+  std::array<Eigen::VectorXf, kChannels> weights_;
   double model_error_ = 0;
   double repeatability_ = 0;
 

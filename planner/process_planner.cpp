@@ -12,6 +12,8 @@ namespace {
 // So many poses are chosen one by one; then a batch is a share of what was measured.
 constexpr int kSingle = 12;
 constexpr double kBatchShare = 0.1;
+// f_r [1/sr] before anything is known.
+const Rgb kUnknown = Rgb::Constant(0.1);
 
 }  // namespace
 
@@ -106,7 +108,7 @@ double ProcessPlanner::TravelFrom(const DirectionPair& from, const DirectionPair
 
 double ProcessPlanner::PoseTime(const DirectionPair& pair) const {
   if (!costs_.pose) return 1;
-  return costs_.pose(pair, Predict(pair).value_or(Rgb::Constant(0.1)));
+  return costs_.pose(pair, Predict(pair).value_or(kUnknown));
 }
 
 // The next of a batch that has these: the most gain for its seconds, or the most where that would
@@ -123,6 +125,24 @@ ProcessGain::Choice ProcessPlanner::ChooseBeside(const std::vector<bool>& taken,
   return gain_.Best(taken, alike);
 }
 
+// How often to expose there: as often as brings the most gain for the seconds of getting there and
+// of all exposures. More than once pays where noise is what is left and the way there was long.
+int ProcessPlanner::FramesAt(int candidate, SecondsTo* seconds) const {
+  if (!costs_.frame) return 1;
+  const DirectionPair& pair = gain_.candidates()[candidate].directions;
+  const double first = seconds->Of(static_cast<std::size_t>(candidate));
+  const double more = costs_.frame(pair, Predict(pair).value_or(kUnknown));
+  int best = 1;
+  double best_score = 0;
+  for (int frames = 1; frames <= costs_.max_frames; frames *= 2) {
+    const double score = gain_.GainOf(candidate, frames) / (first + (frames - 1) * more);
+    if (score <= best_score) break;
+    best = frames;
+    best_score = score;
+  }
+  return best;
+}
+
 void ProcessPlanner::ChooseBatch() {
   const int size = BatchSize();
   std::vector<bool> taken = spent_;
@@ -134,10 +154,11 @@ void ProcessPlanner::ChooseBatch() {
       if (batch_.empty()) reason_ = choice.candidate < 0 ? "no candidate left" : "no more gain";
       break;
     }
-    batch_.push_back(Propose(choice));
+    const int frames = FramesAt(choice.candidate, &seconds);
+    batch_.push_back(Propose(choice, frames));
     taken[choice.candidate] = true;
     seconds.AddStart(batch_.back().directions);
-    gain_.Suppose(choice.candidate);
+    gain_.Suppose(choice.candidate, frames);
   }
   OrderBatch();
 }
@@ -179,11 +200,12 @@ void ProcessPlanner::OrderBatch() {
   }
 }
 
-Proposal ProcessPlanner::Propose(const ProcessGain::Choice& choice) const {
+Proposal ProcessPlanner::Propose(const ProcessGain::Choice& choice, int frames) const {
   return {.directions = gain_.candidates()[choice.candidate].directions,
           .candidate = choice.candidate,
           .score = choice.score,
-          .reason = "information"};
+          .reason = "information",
+          .frames = frames};
 }
 
 void ProcessPlanner::Observe(const Proposal& proposal, const BrdfSample& sample) {

@@ -31,7 +31,7 @@ struct ProcessPlannerOptions {
 //
 // Early poses are chosen one by one, whatever time they take: all later ones lean on them. Then
 // batches grow to max_batch, since one more reading changes little, and a batch is visited in the
-// order that is quickest.
+// order that is quickest. Where noise is what is left, a pose is exposed more than once.
 //
 // Nothing is random. Fitting happens in Next(): a few tens of milliseconds per batch.
 class ProcessPlanner final : public Planner {
@@ -50,12 +50,13 @@ class ProcessPlanner final : public Planner {
 
  private:
   std::optional<Proposal> Choose();
-  Proposal Propose(const ProcessGain::Choice& choice) const;
+  Proposal Propose(const ProcessGain::Choice& choice, int frames) const;
   void Refit();
   std::string Enough() const;
   void ChooseBatch();
   class SecondsTo;
   ProcessGain::Choice ChooseBeside(const std::vector<bool>& taken, SecondsTo* seconds);
+  int FramesAt(int candidate, SecondsTo* seconds) const;
   void OrderBatch();
   int BatchSize() const;
   double TravelFrom(const DirectionPair& from, const DirectionPair& to) const;

@@ -70,6 +70,7 @@ class Task {
     const std::unique_ptr<Planner> planner =
         MakePlanner(plan_, {.reachable = MeasurablePoses(rig_file.config, *truth_),
                             .costs = CostsOn(rig_file.config),
+                            .noise = NoiseOn(rig_file.config),
                             .pca = session_.learned != nullptr ? session_.learned->pca : nullptr,
                             .seed = session_.seed});
     OpenedRig rig = OpenRig(rig_file, *truth_, session_.seed);

@@ -53,6 +53,7 @@ Setup Prepare(const RunOptions& options) {
   setup.planner =
       MakePlanner(setup.plan, {.reachable = MeasurablePoses(setup.rig.config, *setup.material),
                                .costs = CostsOn(setup.rig.config),
+                               .noise = NoiseOn(setup.rig.config),
                                .seed = options.seed});
   return setup;
 }

@@ -79,6 +79,7 @@ SimulatedSession Simulate(const RigFile& rig_file, const NamedPlan& named,
   const std::unique_ptr<Planner> planner =
       MakePlanner(plan, {.reachable = MeasurablePoses(rig_file.config, *material.brdf),
                          .costs = CostsOn(rig_file.config),
+                         .noise = NoiseOn(rig_file.config),
                          .seed = seed});
   OpenedRig rig = OpenRig(rig_file, *material.brdf, seed);
   const SessionSummary summary =

@@ -38,6 +38,22 @@ TEST(PoseMeasurer, MeasuresAPaperInOneFrameWhenItKnowsWhatToExpect) {
   }
 }
 
+TEST(PoseMeasurer, RepeatsTheFrameThatSuitsAsOftenAsAskedAndAllowed) {
+  SimulatedRig rig(kPaper);
+  PoseMeasurer measurer = rig.Prepared();
+  const auto four = measurer.Measure(PairAt(20, 30), Rgb(0.3, 0.3, 0.3), {}, 4);
+  ASSERT_TRUE(four.ok());
+  ASSERT_EQ(four->exposures.size(), 4);
+  for (const Exposure& e : four->exposures) {
+    EXPECT_EQ(e.frame.exposure, four->exposures.front().frame.exposure);
+  }
+  const BrdfSample sample = Reduce(*four, rig.rig);
+  for (int c = 0; c < kChannels; ++c) EXPECT_NEAR(sample.sigma[c] / 0.3, 0.0061, 0.0003);
+  const auto many = measurer.Measure(PairAt(20, 30), Rgb(0.3, 0.3, 0.3), {}, 99);
+  ASSERT_TRUE(many.ok());
+  EXPECT_EQ(std::ssize(many->exposures), rig.rig.exposure.max_frames);
+}
+
 TEST(PoseMeasurer, ExposesOnlyWhatIsStillAndSettled) {
   SimulatedRig rig(kPaper);
   PoseMeasurer measurer = rig.Prepared();

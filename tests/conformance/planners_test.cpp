@@ -31,7 +31,11 @@ std::shared_ptr<const PcaBasis> Basis() {
 
 PlannerSubject Subject(const std::string& plan_text, const Reachable& reachable) {
   const Plan plan = ParsePlan(kRest + plan_text, "plan.yaml");
-  return {.planner = MakePlanner(plan, {.reachable = reachable, .pca = Basis(), .seed = 7}),
+  PlannerInputs inputs;
+  inputs.reachable = reachable;
+  inputs.pca = Basis();
+  inputs.seed = 7;
+  return {.planner = MakePlanner(plan, inputs),
           .candidates = MakeCandidates(plan.candidates, reachable)};
 }
 

@@ -128,5 +128,22 @@ TEST(ProcessPlanner, MeasuresNearPosesTogetherWhereTravelCosts) {
   EXPECT_LT(length(costs), 0.8 * length({}));
 }
 
+TEST(ProcessPlanner, ExposesMoreThanOnceWhereNoiseRulesAndFramesAreCheap) {
+  const auto frames_of_last = [](double noise, double frame_s) {
+    SessionCosts costs;
+    costs.pose = [](const DirectionPair&, const Rgb&) { return 3.0; };
+    costs.frame = [frame_s](const DirectionPair&, const Rgb&) { return frame_s; };
+    costs.max_frames = 8;
+    ProcessPlannerOptions options = Options(20);
+    options.gain.noise = [noise](const DirectionPair&, const Rgb& f_r) { return Rgb(noise * f_r); };
+    ProcessPlanner planner(Candidates(), options, costs);
+    return MeasureAll(planner).back().frames;
+  };
+  EXPECT_EQ(frames_of_last(0.01, 0.3), 1);
+  EXPECT_EQ(frames_of_last(0.3, 0.01), 8);
+  EXPECT_GT(frames_of_last(0.3, 0.3), 1);
+  EXPECT_EQ(frames_of_last(0.3, 30), 1);
+}
+
 }  // namespace
 }  // namespace gonio

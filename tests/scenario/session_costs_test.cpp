@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "acquisition/kinematics.h"
+#include "acquisition/radiometry.h"
 #include "acquisition/session.h"
 #include "brdf/metrics.h"
 #include "fitting/process_fit.h"
@@ -43,6 +44,28 @@ TEST(CostsOn, CountsSettlingExposureAndReadOut) {
   EXPECT_GE(bright, least);
   EXPECT_LT(bright, least + 0.1);
   EXPECT_DOUBLE_EQ(dark, least + rig.exposure.soft_limit.count());
+}
+
+// What the planner is told must be what a session then gets.
+TEST(NoiseOn, ForetellsTheSigmaOfAReading) {
+  const RigConfig rig = DefaultRig();
+  const ExpectedNoise noise = NoiseOn(rig);
+  for (const double f_r : {0.002, 0.05, 0.3, 20.0}) {
+    const FlatBrdf sample(Rgb(f_r, f_r, f_r));
+    SimulatedRig simulated(sample);
+    PoseMeasurer measurer = simulated.Prepared();
+    for (const double theta_h : {10.0, 60.0}) {
+      const DirectionPair pair = PairAt(theta_h, 20);
+      const auto record = measurer.Measure(pair, Rgb::Constant(f_r), {});
+      ASSERT_TRUE(record.ok());
+      if (record->exposures.size() > 1) continue;  // another frame is not foreseen
+      const Rgb foretold = noise(pair, Rgb::Constant(f_r));
+      const BrdfSample reading = Reduce(*record, rig);
+      for (int c = 0; c < kChannels; ++c) {
+        EXPECT_NEAR(foretold[c], reading.sigma[c], 0.1 * reading.sigma[c]) << f_r << " " << theta_h;
+      }
+    }
+  }
 }
 
 struct Result {
