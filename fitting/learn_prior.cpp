@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/task_pool.h"
+#include "fitting/lobe_learning.h"
 
 namespace gonio {
 namespace {
@@ -61,6 +62,7 @@ Prior LearnPrior(std::span<const TrainingMaterial> materials, const LearnOptions
   Prior prior = GenericPrior(options.shape);
   prior.name = options.name;
   for (const TrainingMaterial& material : materials) prior.materials.push_back(material.name);
+  if (options.lobes) LearnLobes(materials, {.threads = options.threads}, &prior);
   prior.process = std::make_shared<ProcessPrior>(
       LearnProcess(all, options.basis, options.floor, sampler.metric(),
                    {options.luminance_components, options.chroma_components}));

@@ -20,6 +20,7 @@ struct LearnOptions {
   int chroma_components = 20;     // > 0: at most
   ReadingRaster raster;           // where the materials are read
   DsbrdfShape shape;              // of the lobes
+  bool lobes = true;              // learn their parameters, too; else the generic prior's
   int threads = 1;                // >= 1
 
   // Throws ConfigError naming the option.
@@ -27,10 +28,11 @@ struct LearnOptions {
 };
 
 // Learns the process over the whole reflectance (fitting/process_prior.h): mean, principal
-// components, spread of the stationary part. The prior of the lobes' parameters is the generic one.
+// components, spread of the stationary part; and a prior of the lobes' parameters
+// (fitting/lobe_learning.h) for those who fit a DSBRDF.
 //
 // Throws ConfigError: fewer than kLeastMaterials, two of the same name, a material that knows less
-// than half of the directions. Deterministic, whatever the number of threads. About 0.2 s a
+// than half of the directions. Deterministic, whatever the number of threads. About 0.5 s a
 // material.
 inline constexpr int kLeastMaterials = 3;
 Prior LearnPrior(std::span<const TrainingMaterial> materials, const LearnOptions& options = {});

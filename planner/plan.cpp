@@ -48,6 +48,9 @@ void ReadFit(const ConfigNode& root, Plan* plan) {
     shape.lobes = node.IntegerOr("lobes", shape.lobes, 1, kMaxLobes);
     shape.knots = node.IntegerOr("knots", shape.knots, kMinKnots, kMaxKnots);
     prior = node.TextOr("prior", prior);
+    if (node.Has("model")) {
+      plan->process_wanted = node.Choice("model", {"process", "dsbrdf"}) == "process";
+    }
     FitOptions& fit = plan->fit;
     fit.floor = node.NumberOr("floor_per_sr", fit.floor, Range::Positive());
     fit.huber = node.NumberOr("huber", fit.huber, Range::Positive());
@@ -62,7 +65,7 @@ void ReadFit(const ConfigNode& root, Plan* plan) {
   if (!IsBuiltInPrior(prior) && std::filesystem::path(prior).is_relative()) {
     prior = (std::filesystem::path(root.file()).parent_path() / prior).string();
   }
-  plan->prior = OpenPrior(prior, shape);
+  plan->Believe(OpenPrior(prior, shape));
 }
 
 void ReadInformation(const ConfigNode& root, Plan* plan) {
@@ -214,6 +217,11 @@ Plan ParsePlan(const std::string& text, const std::string& name) {
   ReadFit(root, &plan);
   root.RefuseUnknownKeys();
   return plan;
+}
+
+void Plan::Believe(Prior believed) {
+  prior = std::move(believed);
+  if (!process_wanted) prior.process = nullptr;
 }
 
 Plan LoadPlan(const std::filesystem::path& path) {

@@ -44,6 +44,10 @@ struct Plan {
   // With what a session's samples are fitted in the end, whoever chose them.
   Prior prior;
   FitOptions fit;
+  bool process_wanted = true;  // of a prior that has one; else a DSBRDF all the same
+
+  // Takes another prior.
+  void Believe(Prior believed);
 };
 
 // Throws ConfigError naming file, line and key. A prior file is looked for beside the plan.

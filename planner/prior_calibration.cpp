@@ -109,7 +109,10 @@ void TryFold(std::span<const TrainingMaterial> materials, int fold, const LearnO
       others.push_back(materials[i]);
     }
   }
-  const auto uncalibrated = std::make_shared<ProcessPrior>(*LearnPrior(others, learn).process);
+  LearnOptions process_only = learn;
+  process_only.lobes = false;
+  const auto uncalibrated =
+      std::make_shared<ProcessPrior>(*LearnPrior(others, process_only).process);
   uncalibrated->error_margin = 1;
   ForEachTask(left_out.size(), learn.threads, {}, [&](std::size_t k) {
     const std::size_t i = left_out[k];

@@ -67,15 +67,15 @@ DsbrdfFit FitOfSession(const std::filesystem::path& dir) {
 }
 
 Prior PriorOfSession(const SessionInfo& info) {
-  const Plan plan = ParsePlan(info.plan_text, info.plan_path);
-  Prior prior = info.prior_spec.empty() ? plan.prior : OpenPrior(info.prior_spec, plan.prior.shape);
-  if (HashOf(prior) != info.prior_sha256) {
+  Plan plan = ParsePlan(info.plan_text, info.plan_path);
+  if (!info.prior_spec.empty()) plan.Believe(OpenPrior(info.prior_spec, plan.prior.shape));
+  if (HashOf(plan.prior) != info.prior_sha256) {
     throw ConfigError(
         fmt::format("prior \"{}\" is no longer the one that the session was run with; "
                     "fit its samples with another by gonio fit --prior",
                     info.prior_name));
   }
-  return prior;
+  return plan.prior;
 }
 
 std::string HashOf(const Prior& prior) {

@@ -44,7 +44,7 @@ Setup Prepare(const RunOptions& options) {
   setup.plan = LoadPlan(setup.plan_path);
   if (options.max_poses > 0) setup.plan.max_poses = options.max_poses;
   if (!options.prior.empty()) {
-    setup.plan.prior = OpenPrior(options.prior, setup.plan.prior.shape);
+    setup.plan.Believe(OpenPrior(options.prior, setup.plan.prior.shape));
   }
   setup.material_path =
       LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);

@@ -52,7 +52,7 @@ std::vector<NamedPlan> LoadPlans(const SimulateOptions& options) {
     plans.push_back({path.stem().string(), LoadPlan(path)});
     Plan& plan = plans.back().plan;
     if (options.max_poses > 0) plan.max_poses = options.max_poses;
-    if (!options.prior.empty()) plan.prior = OpenPrior(options.prior, plan.prior.shape);
+    if (!options.prior.empty()) plan.Believe(OpenPrior(options.prior, plan.prior.shape));
   }
   return plans;
 }
