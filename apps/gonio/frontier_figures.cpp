@@ -17,7 +17,7 @@ namespace {
 struct Style {
   std::string contestant;
   bool process = false;  // its reconstruction gives intervals, as only a process does
-  const char* colour;
+  const char* colour = nullptr;
   int symbol = 0;  // gnuplot's pointtype
 };
 // Okabe and Ito's strong colours for processes, duller ones for what they compete with.
