@@ -16,12 +16,13 @@ namespace gonio {
 enum class Cost { kPoses, kMinutes };
 
 // Error against what it cost, log-log, a panel for each noise and group of materials: the median
-// of each contestant with a band from the first to the third quartile, and the dense fit's median.
+// of each contestant and of the dense fit. Contestants whose reconstruction gives intervals, the
+// processes, are on top and thicker, with a band from the first to the third quartile.
 Plot FrontierPlot(const FrontierResult& result, const std::vector<ContestantSummary>& summaries,
                   Cost cost);
 
-// Coverage of the 90 % intervals at the largest budget, material by material, mean over the seeds.
-// Empty without intervals.
+// Coverage of the 90 % intervals at the largest budget, material by material, mean over the seeds,
+// a panel for each noise and group of materials. Empty without intervals.
 std::optional<Plot> CoveragePlot(const FrontierResult& result);
 
 // True against predicted error, a point for each session and budget. Empty without predictions.

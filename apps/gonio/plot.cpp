@@ -168,7 +168,8 @@ std::string RenderPng(const Plot& plot) {
       plot, fmt::format("pngcairo size {},{} enhanced rounded fontscale 1 font 'sans-serif,13' "
                         "background '#ffffff'",
                         2 * plot.width, 2 * plot.height) +
-                "\nset termoption fontscale 1.5\nset termoption linewidth 2\nset pointsize 2"));
+                "\nset termoption fontscale 1.5\nset termoption linewidth 2\nset termoption "
+                "pointscale 2"));
   if (!png.starts_with("\x89PNG")) {
     throw std::runtime_error("gnuplot: drew no picture (is the disk full?)");
   }

@@ -125,19 +125,39 @@ TEST(Coverage, LeavesOutWhatWasMeasured) {
   EXPECT_EQ(Coverage(Flat(), Local(), samples, 6, 24)[0], 0);
 }
 
-TEST(CoveragePlot, NamesEveryMaterialAndIsNotDrawnWithoutIntervals) {
+TEST(CoveragePlot, NamesAMaterialInItsOwnPanelAndIsNotDrawnWithoutIntervals) {
   FrontierResult result;
-  result.cells = {Cell("a-material", 0.01, 0.9), Cell("another", 0.02, 0.5)};
-  for (const FrontierCell& cell : result.cells) {
-    result.dense.push_back({cell.material, false, "", 0.01});
-  }
+  result.cells = {Cell("a-material", 0.01, 0.9), Cell("another", 0.02, 0.5),
+                  Cell("foreign", 0.02, 0.7)};
+  result.cells[2].held_out = true;
   const auto plot = CoveragePlot(result);
   ASSERT_TRUE(plot);
-  EXPECT_THAT(RenderSvg(*plot, "c"),
-              testing::AllOf(testing::HasSubstr("a-material"), testing::HasSubstr("another"),
-                             testing::HasSubstr("one")));
+  const std::string svg = RenderSvg(*plot, "c");
+  for (const char* text : {"a-material", "another", "foreign", "held-out materials", ">one<"}) {
+    const std::size_t at = svg.find(text);
+    EXPECT_NE(at, std::string::npos) << text;
+    EXPECT_EQ(svg.find(text, at + 1), std::string::npos) << text << " more than once";
+  }
+  // Tables of (column, share), a panel each.
+  ASSERT_EQ(plot->tables.size(), 2u);
+  EXPECT_EQ(plot->tables[0].rows, (std::vector<std::vector<double>>{{0, 0.9}, {1, 0.5}}));
+  EXPECT_EQ(plot->tables[1].rows, (std::vector<std::vector<double>>{{0, 0.7}}));
   for (FrontierCell& cell : result.cells) cell.rows[1].coverage = cell.rows[0].coverage;
   EXPECT_FALSE(CoveragePlot(result));
+}
+
+TEST(FrontierPlot, DrawsProcessesLastAndNamesAllInTheStudysOrder) {
+  FrontierResult result;
+  result.cells = {Cell("a", 0.01, 0.9), Cell("a", 0.02, 0.9)};
+  result.cells[1].contestant = "rival";
+  result.cells[1].rows[1].coverage = result.cells[1].rows[0].coverage;
+  const Plot plot = FrontierPlot(result, Summarise(result), Cost::kPoses);
+  ASSERT_EQ(plot.tables.size(), 2u);
+  EXPECT_EQ(plot.tables[0].rows[1][1], 0.02);
+  EXPECT_EQ(plot.tables[1].rows[1][1], 0.01);
+  const std::string svg = RenderSvg(plot, "f");
+  EXPECT_LT(svg.find(">one<"), svg.find(">rival<"));
+  EXPECT_NE(svg.find(">rival<"), std::string::npos);
 }
 
 }  // namespace

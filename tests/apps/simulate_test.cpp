@@ -2,6 +2,7 @@
 // The question before the rig is booked: how many poses and hours to an error?
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/apps/gonio_process.h"
 
@@ -23,33 +24,65 @@ class SimulateTarget : public GonioTest {
     out_ = Expect("simulate --quiet --json m.json " + arguments).out;
     return json::parse(ReadTextFile(work() / "m.json"));
   }
+  // The first line of the output that holds `text`.
+  std::string LineWith(const std::string& text) const {
+    std::istringstream lines(out_);
+    for (std::string line; std::getline(lines, line);) {
+      if (line.find(text) != std::string::npos) return line;
+    }
+    return "";
+  }
   std::string out_;
 };
 
 TEST_F(SimulateTarget, SaysWhenPredictedAndTrueErrorGetThere) {
   LearnPrior();
-  const std::string line =
-      "--plan plan-information.yaml --prior mine.yaml other.yaml --max-poses 12 --seeds 2 ";
-  const json m = Simulate(line + "--target 0.05");
+  const std::string line = "--prior mine.yaml other.yaml --max-poses 12 --seeds 2 ";
+  // What the rig does when it is told to stop there.
+  File("stops.yaml",
+       With(Config("plan-information.yaml"), "target_error: 0 ", "target_error: 0.018 "));
+  const json stopped = Simulate("--plan stops.yaml " + line);
+  const json m = Simulate("--plan plan-information.yaml --target 0.018 " + line);
   ASSERT_EQ(m["sessions"].size(), 2u);
-  for (const json& session : m["sessions"]) {
+  double hours = 0;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const json& session = m["sessions"][i];
     EXPECT_EQ(session["poses"], 12) << "goes on beyond the target";
+    EXPECT_GT(session["predicted_error"], 0);
+    EXPECT_LE(session["predicted_error"], 0.018);
     const json& stop = session["reached_predicted"];
+    EXPECT_GT(stop["poses"], 4);
     EXPECT_LT(stop["poses"], 12);
+    EXPECT_EQ(stop["poses"], stopped["sessions"][i]["poses"]);
+    EXPECT_EQ(stop["duration_s"], stopped["sessions"][i]["duration_s"]);
     EXPECT_LT(stop["duration_s"], session["duration_s"]);
-    EXPECT_LT(session["male_at_stop"].get<double>(), 0.03);
-    EXPECT_GE(session["male_at_stop"].get<double>(), session["male"].get<double>());
-    EXPECT_LE(session["reached_true"]["poses"], 12);
+    hours += stop["duration_s"].get<double>() / 3600 / 2;
+    // Looked at less closely than at the end of a session.
+    const double male = stopped["sessions"][i]["male"];
+    EXPECT_NEAR(session["male_at_stop"].get<double>(), male, 0.1 * male);
+    EXPECT_LE(session["reached_true"]["poses"], stop["poses"]);
   }
-  const json& answer = m["answers"][0];
-  EXPECT_EQ(answer["predicted"]["share"], 1);
-  EXPECT_LE(answer["predicted"]["hours"]["low"], answer["predicted"]["hours"]["median"]);
-  EXPECT_LE(answer["predicted"]["hours"]["median"], answer["predicted"]["hours"]["high"]);
-  EXPECT_THAT(out_, AllOf(HasSubstr("To an error of 0.05: median and 80 % interval"),
-                          HasSubstr("2 of 2"), HasSubstr("where the rig would stop"),
-                          Not(HasSubstr("never")), Not(HasSubstr("nan"))));
+  const json& predicted = m["answers"][0]["predicted"];
+  EXPECT_EQ(predicted["share"], 1);
+  const double poses = predicted["poses"]["median"];
+  EXPECT_EQ(2 * poses, m["sessions"][0]["reached_predicted"]["poses"].get<double>() +
+                           m["sessions"][1]["reached_predicted"]["poses"].get<double>());
+  EXPECT_NEAR(predicted["hours"]["median"].get<double>(), hours, 1e-9);
+  EXPECT_LT(predicted["hours"]["low"], predicted["hours"]["median"]);
+  EXPECT_LT(predicted["hours"]["median"], predicted["hours"]["high"]);
+  const std::string said = LineWith("predicted ");
+  EXPECT_THAT(said, AllOf(HasSubstr("2 of 2"), HasSubstr(fmt::format(" {:.0f} (", poses)),
+                          HasSubstr(fmt::format(" {:.3f} (", hours))));
+  EXPECT_THAT(out_, AllOf(HasSubstr("To an error of 0.018: median and 80 % interval"),
+                          HasSubstr("where the rig would stop"), Not(HasSubstr("never")),
+                          Not(HasSubstr("nan"))));
+}
 
-  const json never = Simulate(line + "--target 1e-7");
+TEST_F(SimulateTarget, SaysNeverWhereNothingGetsThere) {
+  LearnPrior();
+  const json never = Simulate(
+      "--plan plan-information.yaml --prior mine.yaml other.yaml --max-poses 5 --seeds 2 "
+      "--target 1e-7");
   EXPECT_EQ(never["answers"][0]["predicted"]["share"], 0);
   EXPECT_TRUE(never["answers"][0]["predicted"]["poses"]["median"].is_null());
   EXPECT_TRUE(never["sessions"][0]["reached_true"].is_null());
