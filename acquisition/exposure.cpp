@@ -104,6 +104,11 @@ FrameMeans MeansOf(const Frame& frame, int full_scale) {
   return means;
 }
 
+Rgb CountRates(const Rgb& f_r, double cos_theta_i, double light,
+               const RadiometryConfig& radiometry) {
+  return radiometry.responsivity * f_r * (cos_theta_i * light / radiometry.electrons_per_count);
+}
+
 Seconds FirstExposure(const Rgb& rates, const RigConfig& rig) {
   const double soft = rig.exposure.soft_limit.count();
   const double brightest = rates.maxCoeff();

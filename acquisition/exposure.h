@@ -25,6 +25,10 @@ struct FrameMeans {
 };
 FrameMeans MeansOf(const Frame& frame, int full_scale);
 
+// Counts per second and pixel that a sample of f_r gives under so much light (docs/radiometry.md).
+Rgb CountRates(const Rgb& f_r, double cos_theta_i, double light,
+               const RadiometryConfig& radiometry);
+
 // The exposure that brings the brightest channel to the target fraction of full scale, inside the
 // camera's range and the soft limit. `rates`: counts per second and pixel that are expected; zero
 // or not finite gives the soft limit.

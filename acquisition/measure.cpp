@@ -104,11 +104,10 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
                                              std::stop_token stop) {
   auto monitor = ReadMonitor();
   if (!monitor) return monitor.error();
-  const RadiometryConfig& r = rig_.radiometry;
   const double cos_theta_i = kinematics_.Forward(record.readback).cos_theta_i();
   const Rgb f_r = expected.value_or(Rgb::Constant(kUnknownReflectance));
   std::optional<Seconds> next =
-      FirstExposure(r.responsivity * f_r * (cos_theta_i * *monitor / r.electrons_per_count), rig_);
+      FirstExposure(CountRates(f_r, cos_theta_i, *monitor, rig_.radiometry), rig_);
   if (!expected && last_exposure_) next = std::min(*last_exposure_, rig_.exposure.soft_limit);
 
   while (next && std::ssize(record.exposures) < rig_.exposure.max_frames) {

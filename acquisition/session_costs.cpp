@@ -43,9 +43,8 @@ class Starts {
 
 // The first frame of a pose where f_r is foretold.
 Seconds FrameFor(const DirectionPair& pair, const Rgb& f_r, const RigConfig& rig) {
-  const RadiometryConfig& r = rig.radiometry;
-  const double light = std::max(pair.cos_theta_i(), 0.0) * rig.light_level;
-  return FirstExposure(r.responsivity * f_r * (light / r.electrons_per_count), rig);
+  const double cos_theta_i = std::max(pair.cos_theta_i(), 0.0);
+  return FirstExposure(CountRates(f_r, cos_theta_i, rig.light_level, rig.radiometry), rig);
 }
 
 }  // namespace
