@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "tests/core/temp_dir.h"
+#include "tests/fitting/small_process.h"
 #include "tests/fitting/synthetic.h"
 
 namespace gonio {
@@ -63,6 +64,17 @@ TEST(LoadPlan, LooksForPriorFilesBesideThePlan) {
   const Plan plan = LoadPlan(path);
   EXPECT_EQ(plan.prior.name, "learned");
   EXPECT_EQ(plan.prior.shape, (DsbrdfShape{1, 4}));
+}
+
+TEST(Plan, BelievesInAProcessUnlessItAsksForADsbrdf) {
+  const std::string text = "version: 1\nname: x\nplanner: information\nmax_poses: 5\nfit: {model: ";
+  Plan process = ParsePlan(text + "process}\n", "plan.yaml");
+  Plan dsbrdf = ParsePlan(text + "dsbrdf}\n", "plan.yaml");
+  for (Plan* plan : {&process, &dsbrdf}) plan->Believe(SmallProcessPrior());
+  EXPECT_NE(process.prior.process, nullptr);
+  EXPECT_EQ(dsbrdf.prior.process, nullptr);
+  EXPECT_EQ(dsbrdf.prior.mean, process.prior.mean);
+  EXPECT_THROW(ParsePlan(text + "gp}\n", "plan.yaml"), ConfigError);
 }
 
 TEST(ParsePlan, TakesEveryKey) {

@@ -50,6 +50,7 @@ TEST(CostsOn, CountsSettlingExposureAndReadOut) {
 TEST(NoiseOn, ForetellsTheSigmaOfAReading) {
   const RigConfig rig = DefaultRig();
   const ExpectedNoise noise = NoiseOn(rig);
+  int compared = 0;
   for (const double f_r : {0.002, 0.05, 0.3, 20.0}) {
     const FlatBrdf sample(Rgb(f_r, f_r, f_r));
     SimulatedRig simulated(sample);
@@ -59,6 +60,7 @@ TEST(NoiseOn, ForetellsTheSigmaOfAReading) {
       const auto record = measurer.Measure(pair, Rgb::Constant(f_r), {});
       ASSERT_TRUE(record.ok());
       if (record->exposures.size() > 1) continue;  // another frame is not foreseen
+      ++compared;
       const Rgb foretold = noise(pair, Rgb::Constant(f_r));
       const BrdfSample reading = Reduce(*record, rig);
       for (int c = 0; c < kChannels; ++c) {
@@ -66,6 +68,7 @@ TEST(NoiseOn, ForetellsTheSigmaOfAReading) {
       }
     }
   }
+  EXPECT_GE(compared, 6);
 }
 
 struct Result {
@@ -101,7 +104,7 @@ TEST(ProcessPlanner, TakesLessTimeOnUnevenAxesAtAboutTheSameError) {
   const Result with = Measure(mindful, UnevenRig(), truth);
   const Result without = Measure(careless, UnevenRig(), truth);
   EXPECT_LT(with.minutes, 0.8 * without.minutes);
-  EXPECT_LT(with.male, 1.7 * without.male);
+  EXPECT_LT(with.male, 1.5 * without.male);
   RecordProperty("minutes", std::to_string(with.minutes) + " " + std::to_string(without.minutes));
   RecordProperty("male", std::to_string(with.male) + " " + std::to_string(without.male));
 }
