@@ -18,8 +18,8 @@ struct LobeLearningOptions {
 };
 
 // Replaces mean and covariance of `prior`, the generic one, by what DSBRDF fits of the materials
-// have in common (a hierarchical Gaussian, fitted by expectation maximisation as in Gelman et al.,
-// "Bayesian Data Analysis", chapter 5):
+// have in common: a hierarchical Gaussian (Gelman et al., "Bayesian Data Analysis", chapter 5),
+// fitted by expectation maximisation,
 //
 //   covariance = (sum of (p - mean)(p - mean)' + P  +  n generic covariance) / (materials + n)
 //
