@@ -232,7 +232,7 @@ double ProcessGain::GainOf(int candidate, int frames) const {
   return gain / total_;
 }
 
-ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Cost& cost) const {
+ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Worth& worth) const {
   std::vector<std::pair<double, int>> scores;
   for (std::size_t k = 0; k < coarse_.size(); ++k) {
     const int candidate = coarse_[k];
@@ -242,7 +242,8 @@ ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Cost
       const auto i = static_cast<Eigen::Index>(k);
       gain += groups_[g].numerator[i] / (groups_[g].variance[i] + groups_[g].noise[i]);
     }
-    scores.emplace_back(gain / cost(candidates_[candidate]), candidate);
+    if (total_ > 0) gain /= total_;
+    scores.emplace_back(worth(candidates_[candidate], gain), candidate);
   }
   const std::size_t leaders = std::min<std::size_t>(kLeaders, scores.size());
   std::partial_sort(scores.begin(), scores.begin() + static_cast<std::ptrdiff_t>(leaders),
@@ -256,7 +257,7 @@ ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Cost
       if (spent[candidate] || seen[candidate]) continue;
       seen[candidate] = true;
       const double gain = GainOf(candidate);
-      const double score = gain / cost(candidates_[candidate]);
+      const double score = worth(candidates_[candidate], gain);
       if (best.candidate < 0 || score > best.score) best = {candidate, gain, score};
     }
   }
@@ -265,7 +266,7 @@ ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Cost
   if (left == spent.end()) return best;
   const int candidate = static_cast<int>(left - spent.begin());
   const double gain = GainOf(candidate);
-  return {candidate, gain, gain / cost(candidates_[candidate])};
+  return {candidate, gain, worth(candidates_[candidate], gain)};
 }
 
 void ProcessGain::Suppose(int candidate, int frames) {

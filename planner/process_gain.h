@@ -52,15 +52,15 @@ class ProcessGain {
   // As if this candidate had been measured, so many exposures averaged.
   void Suppose(int candidate, int frames = 1);
 
-  // What counts against a gain: seconds, or anything else > 0. Called often.
-  using Cost = std::function<double(const Candidate&)>;
+  // What a candidate with that gain is worth. Called often.
+  using Worth = std::function<double(const Candidate&, double gain)>;
   struct Choice {
     int candidate = -1;  // -1: none is left
     double gain = 0;     // share of the expected error, were it to fall on like that (0 .. 1)
-    double score = 0;    // gain / cost
+    double score = 0;    // its worth
   };
-  // The candidate with the largest gain / cost among those not `spent`.
-  Choice Best(const std::vector<bool>& spent, const Cost& cost) const;
+  // The candidate that is worth most among those not `spent`.
+  Choice Best(const std::vector<bool>& spent, const Worth& worth) const;
   // The gain of one candidate.
   double GainOf(int candidate, int frames = 1) const;
 

@@ -12,6 +12,9 @@ namespace {
 // So many poses are chosen one by one; then a batch is a share of what was measured.
 constexpr int kSingle = 12;
 constexpr double kBatchShare = 0.1;
+// What a second is worth, out of the most that one could bring now. Later ones will bring less, and
+// it is those that a slow pose takes away (docs/planning.md).
+constexpr double kHaste = 0.5;
 // f_r [1/sr] before anything is known.
 const Rgb kUnknown = Rgb::Constant(0.1);
 
@@ -102,6 +105,10 @@ int ProcessPlanner::BatchSize() const {
   return std::min({size, options_.max_batch, options_.max_poses - measured_});
 }
 
+std::size_t ProcessPlanner::IndexOf(const Candidate& candidate) const {
+  return static_cast<std::size_t>(&candidate - gain_.candidates().data());
+}
+
 double ProcessPlanner::TravelFrom(const DirectionPair& from, const DirectionPair& to) const {
   return costs_.travel ? costs_.travel(from, to) : 0;
 }
@@ -111,34 +118,40 @@ double ProcessPlanner::PoseTime(const DirectionPair& pair) const {
   return costs_.pose(pair, Predict(pair).value_or(kUnknown));
 }
 
-// The next of a batch that has these: the most gain for its seconds, or the most where that would
-// end the session although there is more to gain farther away. The first poses are few and all the
-// others lean on them, so for them time does not count.
-ProcessGain::Choice ProcessPlanner::ChooseBeside(const std::vector<bool>& taken,
-                                                 SecondsTo* seconds) {
-  const auto alike = [](const Candidate&) { return 1.0; };
-  if (measured_ < kSingle) return gain_.Best(taken, alike);
-  const ProcessGain::Choice choice = gain_.Best(taken, [&](const Candidate& candidate) {
-    return seconds->Of(static_cast<std::size_t>(&candidate - gain_.candidates().data()));
-  });
-  if (choice.candidate < 0 || choice.gain >= options_.min_gain) return choice;
-  return gain_.Best(taken, alike);
+// What a second is worth: a share of the highest gain per second there is now.
+double ProcessPlanner::WorthOfSecond(const std::vector<bool>& taken, SecondsTo* seconds) const {
+  if (!costs_.travel && !costs_.pose) return 0;
+  const auto rate = [&](const Candidate& candidate, double gain) {
+    return gain / seconds->Of(IndexOf(candidate));
+  };
+  return kHaste * gain_.Best(taken, rate).score;
 }
 
-// How often to expose there: as often as brings the most gain for the seconds of getting there and
-// of all exposures. More than once pays where noise is what is left and the way there was long.
-int ProcessPlanner::FramesAt(int candidate, SecondsTo* seconds) const {
+// The next of a batch that has these: the most gain for its seconds, or the most where that would
+// end the session although there is more to gain farther away.
+ProcessGain::Choice ProcessPlanner::ChooseBeside(const std::vector<bool>& taken, double second,
+                                                 SecondsTo* seconds) const {
+  const auto net = [&](const Candidate& candidate, double gain) {
+    return gain - second * seconds->Of(IndexOf(candidate));
+  };
+  const ProcessGain::Choice choice = gain_.Best(taken, net);
+  if (choice.candidate < 0 || choice.gain >= options_.min_gain) return choice;
+  return gain_.Best(taken, [](const Candidate&, double gain) { return gain; });
+}
+
+// How often to expose there. More than once pays where noise is what is left and the way there was
+// long.
+int ProcessPlanner::FramesAt(const ProcessGain::Choice& choice, double second) const {
   if (!costs_.frame) return 1;
-  const DirectionPair& pair = gain_.candidates()[candidate].directions;
-  const double first = seconds->Of(static_cast<std::size_t>(candidate));
+  const DirectionPair& pair = gain_.candidates()[choice.candidate].directions;
   const double more = costs_.frame(pair, Predict(pair).value_or(kUnknown));
   int best = 1;
-  double best_score = 0;
-  for (int frames = 1; frames <= costs_.max_frames; frames *= 2) {
-    const double score = gain_.GainOf(candidate, frames) / (first + (frames - 1) * more);
-    if (score <= best_score) break;
+  double best_net = choice.gain;
+  for (int frames = 2; frames <= costs_.max_frames; frames *= 2) {
+    const double net = gain_.GainOf(choice.candidate, frames) - second * (frames - 1) * more;
+    if (net <= best_net) break;
     best = frames;
-    best_score = score;
+    best_net = net;
   }
   return best;
 }
@@ -149,12 +162,13 @@ void ProcessPlanner::ChooseBatch() {
   SecondsTo seconds(*this);
   if (position_) seconds.AddStart(*position_);
   while (static_cast<int>(batch_.size()) < size) {
-    const ProcessGain::Choice choice = ChooseBeside(taken, &seconds);
+    const double second = WorthOfSecond(taken, &seconds);
+    const ProcessGain::Choice choice = ChooseBeside(taken, second, &seconds);
     if (choice.candidate < 0 || choice.gain < options_.min_gain) {
       if (batch_.empty()) reason_ = choice.candidate < 0 ? "no candidate left" : "no more gain";
       break;
     }
-    const int frames = FramesAt(choice.candidate, &seconds);
+    const int frames = FramesAt(choice, second);
     batch_.push_back(Propose(choice, frames));
     taken[choice.candidate] = true;
     seconds.AddStart(batch_.back().directions);

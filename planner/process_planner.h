@@ -26,12 +26,12 @@ struct ProcessPlannerOptions {
 };
 
 // Fits a process to all samples (fitting/process_fit.h) and proposes the candidates with the
-// largest expected gain (planner/process_gain.h) per second of travel, settling and exposure; never
-// one that was measured before. Where no costs are given a second is a pose.
+// largest expected gain (planner/process_gain.h), less what the seconds of travel, settling and
+// exposure are worth; never one that was measured before. Without costs all poses take the same.
 //
-// Early poses are chosen one by one, whatever time they take: all later ones lean on them. Then
-// batches grow to max_batch, since one more reading changes little, and a batch is visited in the
-// order that is quickest. Where noise is what is left, a pose is exposed more than once.
+// Early poses are chosen one by one. Then batches grow to max_batch, since one more reading changes
+// little, and a batch is visited in the order that is quickest. Where noise is what is left, a pose
+// is exposed more than once.
 //
 // Nothing is random. Fitting happens in Next(): a few tens of milliseconds per batch.
 class ProcessPlanner final : public Planner {
@@ -55,8 +55,11 @@ class ProcessPlanner final : public Planner {
   std::string Enough() const;
   void ChooseBatch();
   class SecondsTo;
-  ProcessGain::Choice ChooseBeside(const std::vector<bool>& taken, SecondsTo* seconds);
-  int FramesAt(int candidate, SecondsTo* seconds) const;
+  double WorthOfSecond(const std::vector<bool>& taken, SecondsTo* seconds) const;
+  ProcessGain::Choice ChooseBeside(const std::vector<bool>& taken, double second,
+                                   SecondsTo* seconds) const;
+  int FramesAt(const ProcessGain::Choice& choice, double second) const;
+  std::size_t IndexOf(const Candidate& candidate) const;
   void OrderBatch();
   int BatchSize() const;
   double TravelFrom(const DirectionPair& from, const DirectionPair& to) const;

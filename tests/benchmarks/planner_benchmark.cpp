@@ -76,7 +76,7 @@ void BM_LearnedPlanStep(benchmark::State& state) {
   const std::vector<bool> spent(gain.candidates().size(), false);
   for (auto _ : state) {
     gain.Learn(model, ProcessPosterior(*model, readings, options), options);
-    benchmark::DoNotOptimize(gain.Best(spent, [](const Candidate&) { return 1.0; }));
+    benchmark::DoNotOptimize(gain.Best(spent, [](const Candidate&, double g) { return g; }));
   }
 }
 BENCHMARK(BM_LearnedPlanStep)->Arg(20)->Arg(200)->Arg(1000)->Unit(benchmark::kMillisecond);

@@ -71,7 +71,7 @@ TEST(ProcessGain, ChoosesTheSameWhetherScoredAtOnceOrInTwoSteps) {
   gain.Learn(model, ProcessPosterior(*model, {}, process), process);
   const auto count = gain.candidates().size();
   const auto found =
-      gain.Best(std::vector<bool>(count, false), [](const Candidate&) { return 1.0; });
+      gain.Best(std::vector<bool>(count, false), [](const Candidate&, double g) { return g; });
   double best = 0;
   for (std::size_t i = 0; i < count; ++i) best = std::max(best, gain.GainOf(static_cast<int>(i)));
   EXPECT_GT(found.gain, 0.9 * best);
