@@ -11,6 +11,26 @@
 #include "fitting/generalised_log.h"
 
 namespace gonio {
+namespace {
+
+// Of a standard normal x.
+double UpperTail(double x) { return 0.5 * std::erfc(x / std::sqrt(2.0)); }
+
+// u with P(x < u | x > a) = probability.
+double QuantileBeyond(double a, double probability) {
+  constexpr double kFar = 30;  // the tail is an exponential there, and soon too small a number
+  if (a > kFar) return a - std::log(1 - probability) / a;
+  const double beyond = (1 - probability) * UpperTail(a);
+  double low = a;
+  double high = std::max(a, 0.0) + 10;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (UpperTail(middle) > beyond ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
 
 // By bisection: erf has no inverse in the library.
 double CentralQuantile(double probability) {
@@ -21,6 +41,14 @@ double CentralQuantile(double probability) {
     (std::erf(middle / std::sqrt(2.0)) < probability ? low : high) = middle;
   }
   return low;
+}
+
+Bounds NarrowestBounds(double mean, double sd, double least, double probability) {
+  if (!(sd > 0)) return {std::max(mean, least), std::max(mean, least)};
+  const double a = (least - mean) / sd;
+  const double reach = CentralQuantile(probability * UpperTail(a));
+  if (a < -reach) return {mean - reach * sd, mean + reach * sd};
+  return {least, mean + sd * QuantileBeyond(a, probability)};
 }
 
 double WideningAt(const std::vector<Calibration>& calibration, double probability) {
@@ -80,11 +108,17 @@ Prediction ProcessFit::Predict(const HalfDiff& angles) const {
 
 Interval ProcessFit::PredictInterval(const HalfDiff& angles, double probability) const {
   GONIO_CHECK(probability > 0 && probability < 1, "a probability");
-  const double reach =
-      CentralQuantile(probability) * WideningAt(model_->calibration(), probability);
-  const Eigen::Vector3d away = reach * SpreadAt(angles).matrix();
+  const Rgb spread = WideningAt(model_->calibration(), probability) * SpreadAt(angles);
   const Eigen::Vector3d z = MeanAt(angles);
-  return {model_->ReflectanceOf(z - away), model_->ReflectanceOf(z + away)};
+  Eigen::Vector3d low;
+  Eigen::Vector3d high;
+  for (int c = 0; c < kChannels; ++c) {
+    const Bounds bounds =
+        NarrowestBounds(z[c], spread[c], GeneralisedLog(0, model_->floor()), probability);
+    low[c] = bounds.low;
+    high[c] = bounds.high;
+  }
+  return {model_->ReflectanceOf(low), model_->ReflectanceOf(high)};
 }
 
 ProcessReading ToReading(const ProcessModel& model, const BrdfSample& sample) {

@@ -24,6 +24,7 @@ class ProcessFit final : public Estimate {
   std::optional<Rgb> Eval(const HalfDiff& angles) const override;
   std::string name() const override { return "process"; }
   Prediction Predict(const HalfDiff& angles) const override;
+  // Of a Gaussian z given that f_r >= 0: in the dark it begins at 0.
   Interval PredictInterval(const HalfDiff& angles, double probability) const override;
 
   // Standard deviation of each channel's z (fitting/process_model.h), model error included.
@@ -43,6 +44,14 @@ ProcessReading ToReading(const ProcessModel& model, const BrdfSample& sample);
 
 // x with P(|N(0, 1)| < x) = probability, 0 < probability < 1.
 double CentralQuantile(double probability);
+
+// The narrowest bounds that hold so much, 0 < probability < 1, of a Gaussian that is known to be
+// `least` or more: symmetric about the mean, or from `least` on where the mean is near or below it.
+struct Bounds {
+  double low = 0;
+  double high = 0;
+};
+Bounds NarrowestBounds(double mean, double sd, double least, double probability);
 
 // How much wider than a Gaussian's an interval of this probability has to be: interpolated.
 double WideningAt(const std::vector<Calibration>& calibration, double probability);

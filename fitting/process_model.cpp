@@ -8,8 +8,8 @@
 namespace gonio {
 namespace {
 
-constexpr int kStationaryLuminance = 96;
-constexpr int kStationaryChroma = 64;
+constexpr int kStationaryLuminance = 180;
+constexpr int kStationaryChroma = 100;
 
 // Learned components with the stationary ones beside them.
 Eigen::MatrixXd Beside(const Eigen::MatrixXd& learned, const Eigen::MatrixXd& stationary) {

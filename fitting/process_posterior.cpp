@@ -3,12 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/error.h"
 #include "fitting/generalised_log.h"
+#include "fitting/weight_solver.h"
 
 namespace gonio {
 namespace {
@@ -24,6 +25,14 @@ Rgb NoiseOf(const ProcessReading& reading, const Rgb& f_r, double floor, double 
     noise[c] = std::isfinite(sensor) ? sensor * sensor + model_error * model_error : kUnknown;
   }
   return noise;
+}
+
+// Of `count` values, but for a constant: a Gaussian's, or a Student's that `weight` values' worth
+// of belief in a scale of 1 make of it.
+double LogEvidence(const WeightSolver& solver, double count, int series, double weight) {
+  const double misfit =
+      weight > 0 ? (weight + count) * std::log1p(solver.quadratic() / weight) : solver.quadratic();
+  return -0.5 * (series * solver.log_determinant() + misfit);
 }
 
 }  // namespace
@@ -98,6 +107,7 @@ void ProcessPosterior::SolveGroup(int group_index, const std::vector<Problem>& p
   const auto rows = static_cast<Eigen::Index>(problems.size());
   Eigen::MatrixXd features(group.size, rows);  // times the root of the precision
   Eigen::MatrixXd residuals(rows, group.series);
+  const double count = static_cast<double>(rows) * group.series;
   for (Eigen::Index n = 0; n < rows; ++n) {
     const Problem& problem = problems[n];
     // Series of a group share a covariance, so a common precision.
@@ -106,51 +116,22 @@ void ProcessPosterior::SolveGroup(int group_index, const std::vector<Problem>& p
     residuals.row(n) = std::sqrt(precision) *
                        problem.residual.segment(group.first_series, group.series).transpose();
   }
-  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(group.size, group.size);
-  if (rows > 0) information.selfadjointView<Eigen::Lower>().rankUpdate(features);
-  Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(group.size, group.series);
-  if (rows > 0) pull = features * residuals;
-  const double squares = residuals.squaredNorm();
-  const double count = static_cast<double>(rows) * group.series;
+  WeightSolver solver(std::move(features), std::move(residuals), group.learned);
+  Knowledge& knowledge = groups_[group_index];
   double best = -std::numeric_limits<double>::infinity();
-  Eigen::MatrixXd best_root;
-  for (const double scale : options.stationary_scales) {
-    // In units of weights of unit prior variance: S (G) S + 1, S = diag(1 .. 1, scale .. scale).
-    Eigen::VectorXd s = Eigen::VectorXd::Ones(group.size);
-    s.tail(group.size - group.learned).setConstant(scale);
-    Eigen::MatrixXd precision = s.asDiagonal() * information * s.asDiagonal();
-    precision.diagonal().array() += 1;
-    const Eigen::LLT<Eigen::MatrixXd, Eigen::Lower> llt(precision);
-    const Eigen::MatrixXd half = llt.matrixL().solve(s.asDiagonal() * pull);
-    const double quadratic = std::max(squares - half.squaredNorm(), 0.0);
-    const double log_det = 2 * llt.matrixLLT().diagonal().array().log().sum();
-    const double weight = options.scale_weight;
-    const double evidence =
-        -0.5 * group.series * log_det -
-        (weight > 0 ? 0.5 * (weight + count) * std::log1p(quadratic / weight) : 0.5 * quadratic);
+  for (const double strength : options.stationary_scales) {
+    solver.Solve(strength);
+    const double evidence = LogEvidence(solver, count, group.series, options.scale_weight);
     if (!(evidence > best)) continue;
     best = evidence;
-    Knowledge& knowledge = groups_[group_index];
-    knowledge.stationary_scale = scale;
-    knowledge.scale = weight > 0 ? (weight + quadratic) / (weight + count) : 1;
-    best_root = llt.matrixL();
-    const Eigen::MatrixXd mean = s.asDiagonal() * llt.matrixU().solve(half);
-    for (int k = 0; k < group.series; ++k) weights_[group.first_series + k] = mean.col(k);
+    knowledge.stationary_scale = strength;
   }
-  if (last) SetCovariance(best_root, group, &groups_[group_index]);
-}
-
-// Of weights of which `factor`, lower triangular, is the root of the precision, in units of the
-// chosen scale of the stationary part.
-void ProcessPosterior::SetCovariance(const Eigen::MatrixXd& factor,
-                                     const ProcessModel::Group& group, Knowledge* knowledge) {
-  Eigen::MatrixXd units = Eigen::MatrixXd::Identity(group.size, group.size);
-  units.diagonal().tail(group.size - group.learned).setConstant(knowledge->stationary_scale);
-  const Eigen::MatrixXd root = factor.triangularView<Eigen::Lower>().solve(units);
-  knowledge->covariance.setZero(group.size, group.size);
-  knowledge->covariance.selfadjointView<Eigen::Lower>().rankUpdate(root.transpose(),
-                                                                   knowledge->scale);
-  knowledge->covariance.triangularView<Eigen::StrictlyUpper>() = knowledge->covariance.transpose();
+  solver.Solve(knowledge.stationary_scale);
+  const double weight = options.scale_weight;
+  knowledge.scale = weight > 0 ? (weight + solver.quadratic()) / (weight + count) : 1;
+  const Eigen::MatrixXd mean = solver.Mean();
+  for (int k = 0; k < group.series; ++k) weights_[group.first_series + k] = mean.col(k);
+  if (last) knowledge.covariance = knowledge.scale * solver.Covariance();
 }
 
 Eigen::Vector3d ProcessPosterior::Mean(const ProcessModel::Place& place) const {

@@ -19,8 +19,8 @@ struct ProcessOptions {
   // the repeatability of the arms.
   double model_error = 0.03;
   double repeatability = 0.004;
-  double huber = 3;          // > 0: readings off by more standard deviations count less
-  double scale_weight = 30;  // >= 0: how many readings the process's own scale is worth
+  double huber = 3;         // > 0: readings off by more standard deviations count less
+  double scale_weight = 8;  // >= 0: how many readings the process's own scale is worth
   std::vector<double> stationary_scales = {0.35, 0.7, 1.4, 2.8};  // > 0, tried against each other
 
   // Throws ConfigError naming the option.
@@ -69,8 +69,6 @@ class ProcessPosterior {
   // `last`: the covariance is wanted, too, not just the weights.
   void SolveGroup(int group, const std::vector<Problem>& problems, const ProcessOptions& options,
                   bool last);
-  static void SetCovariance(const Eigen::MatrixXd& factor, const ProcessModel::Group& group,
-                            Knowledge* knowledge);
 
   const ProcessModel& model_;
   std::array<Eigen::VectorXd, kChannels> weights_;

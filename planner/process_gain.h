@@ -61,8 +61,9 @@ class ProcessGain {
   };
   // The candidate that is worth most among those not `spent`.
   Choice Best(const std::vector<bool>& spent, const Worth& worth) const;
-  // The gain of one candidate.
-  double GainOf(int candidate, int frames = 1) const;
+  // The gain of one candidate, or of each of several.
+  double GainOf(int candidate, int frames = 1) const { return GainsOf({candidate}, frames)[0]; }
+  std::vector<double> GainsOf(const std::vector<int>& candidates, int frames = 1) const;
 
   // Mean absolute error of the objective's quantity that the fit as it is will hardly exceed
   // (ProcessPrior::error_margin), and what would be left of it if every weight were known.
@@ -99,7 +100,7 @@ class ProcessGain {
   std::shared_ptr<const ProcessModel> model_;
   std::vector<Eigen::MatrixXf> features_;   // per group: a column for each candidate
   std::vector<Eigen::MatrixXf> on_coarse_;  // the coarse ones of them, side by side
-  std::vector<Eigen::MatrixXd> on_targets_;
+  std::vector<Eigen::MatrixXf> on_targets_;
   Eigen::MatrixXd candidate_means_;  // 3 series, a column for each candidate
   Eigen::MatrixXd target_means_;
   std::array<Eigen::VectorXf, kChannels> weights_;

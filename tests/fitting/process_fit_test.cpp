@@ -93,6 +93,50 @@ TEST(ProcessFit, GrowsSurerAndItsIntervalsNest) {
   EXPECT_TRUE((prediction.sigma > 0).all());
 }
 
+double NormalBelow(double x) { return 0.5 * std::erfc(-x / std::sqrt(2.0)); }
+
+TEST(NarrowestBounds, HoldWhatTheyShouldOfAGaussianThatIsNotBelowTheLeast) {
+  constexpr double kLeast = -1.5;
+  for (const double mean : {3.0, -1.0, -1.5, -3.0, -20.0}) {
+    for (const double probability : {0.5, 0.9, 0.99}) {
+      const double sd = 0.8;
+      const auto above = [&](double x) { return NormalBelow((mean - x) / sd); };
+      const Bounds bounds = NarrowestBounds(mean, sd, kLeast, probability);
+      EXPECT_GE(bounds.low, kLeast);
+      const double held = (above(bounds.low) - above(bounds.high)) / above(kLeast);
+      EXPECT_NEAR(held, probability, 1e-6) << mean;
+      // Narrowest: about the mean, or as near to it as the least allows.
+      const double up = (bounds.low + bounds.high) / 2 - mean;
+      EXPECT_NEAR(up, bounds.low > kLeast ? 0 : std::max(up, 0.0), 1e-9) << mean;
+    }
+  }
+}
+
+TEST(NarrowestBounds, FarBelowTheLeastStillEndSomewhere) {
+  const Bounds bounds = NarrowestBounds(-50, 1, 0, 0.9);  // no tail that a double could tell from 0
+  EXPECT_EQ(bounds.low, 0);
+  EXPECT_NEAR(bounds.high, std::log(10) / 50, 1e-3);
+  const Bounds point = NarrowestBounds(-50, 0, 0, 0.9);
+  EXPECT_EQ(point.low, 0);
+  EXPECT_EQ(point.high, 0);
+}
+
+// Where a process expects less than nothing, what can be is not nothing for certain.
+TEST(ProcessFit, GivesTheDarkAnIntervalThatBeginsAtZero) {
+  const AnalyticBrdf material = PaintOf(0.2, 0.01);
+  std::vector<BrdfSample> samples = Readings(material, 20, 0.01);
+  for (BrdfSample& sample : samples) {  // a detector that reads too little
+    sample.f_r -= 0.03;
+    sample.sigma = Rgb::Constant(0.003);
+  }
+  const auto fit = FitProcess(samples, Learned());
+  const HalfDiff angles{0.8, 0.3, 1};
+  EXPECT_TRUE((*fit->Eval(angles) == 0).all());
+  const Interval interval = fit->PredictInterval(angles, 0.9);
+  EXPECT_TRUE((interval.low == 0).all());
+  EXPECT_TRUE((interval.high > 0 && interval.high < 0.03).all());
+}
+
 TEST(ProcessFit, IsNotThrownByOneWildReading) {
   const AnalyticBrdf material = Unseen();
   std::vector<BrdfSample> samples = Readings(material, 30, 0.01);
