@@ -14,9 +14,9 @@ namespace gonio {
 // A function of (theta_h, theta_d, phi_d) as a sum of products:
 //
 //   g = sum_hdk c_hdk  B_h(u)  B_d(1 - cos theta_d)  H_k(phi_d, theta_h, theta_d)
-//   u = log(1 + theta_h / 1 deg) / log(91)
+//   u = log(1 + theta_h / 0.3 deg) / log(301)
 //
-// B: uniform cubic B-splines; half of those in theta_h serve the highlight, below 9 degrees, and
+// B: uniform cubic B-splines; half of those in theta_h serve the highlight, below 5 degrees, and
 // those in theta_d stand densest towards grazing, where reflectance rises.
 // H: 1, t cos 2 phi_d, t cos 4 phi_d, t cos phi_d with t = sqrt(sin theta_h sin theta_d), which
 // fades phi_d out where it means nothing. The last is odd about phi_d = 90 degrees: tables that
