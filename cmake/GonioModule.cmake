@@ -35,8 +35,8 @@ function(gonio_module name)
   add_library(gonio::${name} ALIAS gonio_${name})
   target_include_directories(gonio_${name} PUBLIC ${PROJECT_SOURCE_DIR})
   target_link_libraries(gonio_${name} PUBLIC ${arg_PUBLIC} PRIVATE ${arg_PRIVATE} gonio::options)
-  # The headers precompiled are those of modules that know both Eigen and fmt: all but core.
-  if("fmt::fmt" IN_LIST arg_PRIVATE AND NOT name STREQUAL "core")
+  # The headers precompiled are those of modules that know both Eigen and fmt.
+  if("fmt::fmt" IN_LIST arg_PRIVATE AND NOT name MATCHES "^(core|drivers)$")
     gonio_precompile(gonio_${name} gonio_headers)
   endif()
 endfunction()

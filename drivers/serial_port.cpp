@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/serial_port.h"
+
+#include <fmt/format.h>
+#include <libserialport.h>
+#include <poll.h>
+#include <sys/file.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+namespace gonio {
+namespace {
+
+constexpr std::string_view kByUsbSerial = "usb:";
+
+std::string TextOf(const char* text) { return text == nullptr ? "" : text; }
+
+SerialPortInfo InfoOf(const sp_port* port) {
+  SerialPortInfo info{.path = TextOf(sp_get_port_name(port)),
+                      .description = TextOf(sp_get_port_description(port)),
+                      .usb_id = {},
+                      .usb_serial = {}};
+  int vendor = 0;
+  int product = 0;
+  if (sp_get_port_transport(port) == SP_TRANSPORT_USB &&
+      sp_get_port_usb_vid_pid(port, &vendor, &product) == SP_OK) {
+    info.usb_id = fmt::format("{:04x}:{:04x}", vendor, product);
+    info.usb_serial = TextOf(sp_get_port_usb_serial(port));
+  }
+  return info;
+}
+
+Error Refused(std::string message) { return {ErrorCode::kRefused, std::move(message)}; }
+
+// The path of a port that is given by path or by the serial number of its USB adapter.
+Result<std::string> PathOf(const std::string& port) {
+  if (port.compare(0, kByUsbSerial.size(), kByUsbSerial) != 0) return port;
+  const std::string serial = port.substr(kByUsbSerial.size());
+  std::vector<std::string> found;
+  for (const SerialPortInfo& info : ListSerialPorts()) {
+    if (!serial.empty() && info.usb_serial == serial) found.push_back(info.path);
+  }
+  if (found.size() == 1) return found.front();
+  if (found.empty()) {
+    return Refused(fmt::format("{}: no serial port with this USB serial number", port));
+  }
+  return Refused(fmt::format("{}: {} ports have this USB serial number: {}", port, found.size(),
+                             fmt::join(found, ", ")));
+}
+
+// What went wrong in the library's last call.
+std::string LastError() {
+  const int code = sp_last_error_code();
+  return code == 0 ? "not supported" : std::strerror(code);
+}
+
+std::string WhyNotOpened(const std::string& path) {
+  switch (sp_last_error_code()) {
+    case EACCES:
+      return fmt::format(
+          "{}: no permission; add yourself to the group that owns it, dialout as a rule: "
+          "adduser $USER dialout",
+          path);
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+      return fmt::format("{}: nothing is connected there", path);
+    case EBUSY:
+      return fmt::format("{}: in use by another program", path);
+    default:
+      return fmt::format("{}: cannot be opened: {}", path, LastError());
+  }
+}
+
+// The setting that could not be made, if any.
+std::optional<std::string> Configure(sp_port* port, const SerialSettings& s) {
+  const auto failed = [](sp_return result) { return result != SP_OK; };
+  const sp_parity parity = s.parity == SerialSettings::Parity::kNone   ? SP_PARITY_NONE
+                           : s.parity == SerialSettings::Parity::kEven ? SP_PARITY_EVEN
+                                                                       : SP_PARITY_ODD;
+  const sp_flowcontrol flow = s.flow == SerialSettings::Flow::kNone     ? SP_FLOWCONTROL_NONE
+                              : s.flow == SerialSettings::Flow::kRtsCts ? SP_FLOWCONTROL_RTSCTS
+                                                                        : SP_FLOWCONTROL_XONXOFF;
+  if (failed(sp_set_baudrate(port, s.baud))) return fmt::format("{} baud", s.baud);
+  if (failed(sp_set_bits(port, 8))) return "8 data bits";
+  if (failed(sp_set_parity(port, parity))) return "this parity";
+  if (failed(sp_set_stopbits(port, s.stop_bits))) return fmt::format("{} stop bits", s.stop_bits);
+  // Flow control sets the lines it uses, so those it leaves alone come afterwards.
+  if (failed(sp_set_flowcontrol(port, flow))) return "this flow control";
+  if (failed(sp_set_dtr(port, s.dtr ? SP_DTR_ON : SP_DTR_OFF))) return "DTR";
+  if (s.flow != SerialSettings::Flow::kRtsCts &&
+      failed(sp_set_rts(port, s.rts ? SP_RTS_ON : SP_RTS_OFF))) {
+    return "RTS";
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+struct SerialPort::Handle {
+  sp_port* port = nullptr;
+  bool open = false;
+
+  Handle() = default;
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  ~Handle() {
+    if (open) sp_close(port);
+    sp_free_port(port);
+  }
+
+  int descriptor() const {
+    int fd = -1;
+    sp_get_port_handle(port, &fd);
+    return fd;
+  }
+};
+
+class SerialPort::Deadline {
+ public:
+  explicit Deadline(Seconds limit)
+      : limit_(limit),
+        end_(std::chrono::steady_clock::now() +
+             std::chrono::duration_cast<std::chrono::steady_clock::duration>(limit)) {}
+
+  // Rounded up, so that time is not spent polling for a fraction of a millisecond.
+  int MillisecondsLeft() const {
+    const std::chrono::duration<double, std::milli> left = end_ - std::chrono::steady_clock::now();
+    return static_cast<int>(std::ceil(std::max(left.count(), 0.0)));
+  }
+  Seconds limit() const { return limit_; }
+
+ private:
+  Seconds limit_;
+  std::chrono::steady_clock::time_point end_;
+};
+
+std::vector<SerialPortInfo> ListSerialPorts() {
+  std::vector<SerialPortInfo> infos;
+  sp_port** ports = nullptr;
+  if (sp_list_ports(&ports) != SP_OK) return infos;
+  for (sp_port** port = ports; *port != nullptr; ++port) infos.push_back(InfoOf(*port));
+  sp_free_port_list(ports);
+  std::sort(infos.begin(), infos.end(),
+            [](const SerialPortInfo& a, const SerialPortInfo& b) { return a.path < b.path; });
+  return infos;
+}
+
+Result<std::unique_ptr<SerialPort>> SerialPort::Open(const SerialSettings& settings) {
+  const Result<std::string> path = PathOf(settings.port);
+  if (!path) return path.error();
+  auto handle = std::make_unique<Handle>();
+  if (sp_get_port_by_name(path->c_str(), &handle->port) != SP_OK) {
+    return Refused(
+        fmt::format("{}: no such serial port; gonio devices lists those there are", *path));
+  }
+  if (sp_open(handle->port, SP_MODE_READ_WRITE) != SP_OK) return Refused(WhyNotOpened(*path));
+  handle->open = true;
+  if (flock(handle->descriptor(), LOCK_EX | LOCK_NB) != 0) {
+    return Refused(fmt::format("{}: in use by another program", *path));
+  }
+  if (const auto setting = Configure(handle->port, settings)) {
+    return Refused(fmt::format("{}: cannot have {}: {}", *path, *setting, LastError()));
+  }
+  std::unique_ptr<SerialPort> port(new SerialPort(*path, std::move(handle)));
+  if (const Result<void> discarded = port->DiscardInput(); !discarded) return discarded.error();
+  return port;
+}
+
+SerialPort::SerialPort(std::string name, std::unique_ptr<Handle> handle)
+    : name_(std::move(name)), handle_(std::move(handle)) {}
+
+SerialPort::~SerialPort() = default;
+
+Error SerialPort::Gone() {
+  gone_ = true;
+  return {ErrorCode::kDisconnected, fmt::format("{}: disconnected", name_)};
+}
+
+Result<void> SerialPort::WaitFor(short events, const Deadline& deadline, const char* doing) {
+  while (!gone_) {
+    pollfd ready{.fd = handle_->descriptor(), .events = events, .revents = 0};
+    const int count = poll(&ready, 1, deadline.MillisecondsLeft());
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0 || (ready.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) break;
+    if (count > 0) return {};
+    return Error{ErrorCode::kTimeout,
+                 fmt::format("{}: {} within {:.3g} s", name_, doing, deadline.limit().count())};
+  }
+  return Gone();
+}
+
+Result<void> SerialPort::Write(std::string_view bytes, Seconds limit) {
+  const Deadline deadline(limit);
+  while (!bytes.empty()) {
+    const Result<void> ready = WaitFor(POLLOUT, deadline, "not all bytes were taken");
+    if (!ready) return ready;
+    const sp_return taken = sp_nonblocking_write(handle_->port, bytes.data(), bytes.size());
+    if (taken < 0) return Gone();
+    bytes.remove_prefix(static_cast<std::size_t>(taken));
+  }
+  return {};
+}
+
+Result<std::string> SerialPort::Read(std::size_t most, Seconds limit) {
+  const Deadline deadline(limit);
+  std::string bytes(most, '\0');
+  while (true) {
+    const Result<void> ready = WaitFor(POLLIN, deadline, "no answer");
+    if (!ready) return ready.error();
+    const sp_return count = sp_nonblocking_read(handle_->port, bytes.data(), bytes.size());
+    if (count > 0) {
+      bytes.resize(static_cast<std::size_t>(count));
+      return bytes;
+    }
+    // Nothing to read although there was: another reader is shut out, so the far end went.
+    if (count < 0 || sp_input_waiting(handle_->port) < 0) return Gone();
+  }
+}
+
+Result<void> SerialPort::DiscardInput() {
+  if (gone_ || sp_flush(handle_->port, SP_BUF_INPUT) != SP_OK) return Gone();
+  return {};
+}
+
+}  // namespace gonio
