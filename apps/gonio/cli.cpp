@@ -194,6 +194,12 @@ Action SetUpPrior(CLI::App& app) {
   return [o] { return PriorLearnCommand(*o); };
 }
 
+Action SetUpDevices(CLI::App& app) {
+  auto o = std::make_shared<DevicesOptions>();
+  app.add_option("--json", o->json, "Write the same as JSON (-: to standard output)");
+  return [o] { return DevicesCommand(*o); };
+}
+
 struct Command {
   const char* name;
   const char* help;
@@ -212,6 +218,8 @@ constexpr Command kCommands[] = {
      SetUpStudy},
     {"plot", "Draw a fit's slices, its errors, or a study (needs gnuplot)", SetUpPlot},
     {"render", "Render spheres of reflectances", SetUpRender},
+    {"devices", "List what is plugged in: serial ports, and which USB adapter is behind which",
+     SetUpDevices},
     {"report", "Show a session as one HTML page with pictures (needs gnuplot)", SetUpReport},
 };
 

@@ -117,6 +117,11 @@ struct PriorLearnOptions {
 };
 int PriorLearnCommand(const PriorLearnOptions& options);
 
+struct DevicesOptions {
+  std::filesystem::path json;  // empty: none; "-": instead of the table
+};
+int DevicesCommand(const DevicesOptions& options);
+
 struct ReportOptions {
   std::filesystem::path session;
   std::filesystem::path out;  // empty: report.html in the session
