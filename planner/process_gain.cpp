@@ -88,8 +88,9 @@ void ProcessGain::SetModel(std::shared_ptr<const ProcessModel> model) {
   for (Eigen::Index i = 0; i < targets; ++i) {
     const ProcessModel::Place place = model_->At(targets_[i].angles);
     target_means_.col(i) = place.mean;
-    for (std::size_t g = 0; g < groups; ++g)
+    for (std::size_t g = 0; g < groups; ++g) {
       on_targets_[g].col(i) = place.features[g].cast<float>();
+    }
   }
   for (std::size_t g = 0; g < groups; ++g) {
     for (std::size_t k = 0; k < coarse_.size(); ++k) {
@@ -120,7 +121,8 @@ void ProcessGain::SetObjective(const ProcessPosterior& posterior, const ProcessO
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     const ProcessModel::Group& group = model_->groups()[g];
     const Eigen::MatrixXf covariance = posterior.groups()[g].covariance.cast<float>();
-    const Eigen::VectorXd v = DiagonalOf(covariance, on_targets_[g]).cast<double>();
+    // What is known for certain may come out a little below nothing.
+    const Eigen::VectorXd v = DiagonalOf(covariance, on_targets_[g]).cast<double>().cwiseMax(0);
     for (int s = group.first_series; s < group.first_series + group.series; ++s) {
       series.row(s) += (weights_[s].transpose() * on_targets_[g]).cast<double>();
       variance.row(s) = v.transpose();

@@ -78,6 +78,22 @@ TEST(ProcessGain, ChoosesTheSameWhetherScoredAtOnceOrInTwoSteps) {
   EXPECT_NEAR(found.gain, gain.GainOf(found.candidate), 1e-5 * found.gain);
 }
 
+TEST(ProcessGain, ExpectsAnErrorWhereAllIsKnown) {
+  const auto model = std::make_shared<const ProcessModel>(*Learned().process);
+  ProcessOptions process;
+  process.model_error = process.repeatability = 0;
+  const AnalyticBrdf material = PaintOf(0.22, 0.2);
+  Random random(1, 0);
+  ProcessGain gain(Candidates(), Options(1).gain);
+  std::vector<ProcessReading> readings;
+  for (const Candidate& candidate : gain.candidates()) {
+    readings.push_back(ToReading(*model, ReadingAt(material, candidate.directions, 1e-6, random)));
+  }
+  gain.Learn(model, ProcessPosterior(*model, readings, process), process);
+  EXPECT_GE(gain.predicted_error(), 0);
+  EXPECT_LT(gain.predicted_error(), 0.1);
+}
+
 TEST(ProcessPlanner, LowersItsPredictedErrorAndEndsWithTheBudget) {
   ProcessPlanner planner(Candidates(), Options(30));
   EXPECT_FALSE(planner.PredictedError().has_value());
