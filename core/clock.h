@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <stop_token>
 
@@ -20,16 +21,16 @@ class Clock {
   virtual void SleepFor(Seconds duration, std::stop_token stop = {}) = 0;
 };
 
-// Moves only when told to or slept on.
+// Moves only when told to or slept on. Any thread: simulated machines look at it from their own.
 class ManualClock final : public Clock {
  public:
-  Seconds Now() const override { return now_; }
+  Seconds Now() const override { return Seconds(now_.load()); }
   void SleepFor(Seconds duration, std::stop_token stop = {}) override {
-    if (!stop.stop_requested() && duration > Seconds::zero()) now_ += duration;
+    if (!stop.stop_requested() && duration > Seconds::zero()) now_ += duration.count();
   }
 
  private:
-  Seconds now_{0};
+  std::atomic<double> now_{0};  // s
 };
 
 }  // namespace gonio

@@ -8,11 +8,11 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <chrono>
-#include <cmath>
 #include <cstring>
 #include <optional>
 #include <utility>
+
+#include "drivers/deadline.h"
 
 namespace gonio {
 namespace {
@@ -120,25 +120,6 @@ struct SerialPort::Handle {
     sp_get_port_handle(port, &fd);
     return fd;
   }
-};
-
-class SerialPort::Deadline {
- public:
-  explicit Deadline(Seconds limit)
-      : limit_(limit),
-        end_(std::chrono::steady_clock::now() +
-             std::chrono::duration_cast<std::chrono::steady_clock::duration>(limit)) {}
-
-  // Rounded up, so that time is not spent polling for a fraction of a millisecond.
-  int MillisecondsLeft() const {
-    const std::chrono::duration<double, std::milli> left = end_ - std::chrono::steady_clock::now();
-    return static_cast<int>(std::ceil(std::max(left.count(), 0.0)));
-  }
-  Seconds limit() const { return limit_; }
-
- private:
-  Seconds limit_;
-  std::chrono::steady_clock::time_point end_;
 };
 
 std::vector<SerialPortInfo> ListSerialPorts() {

@@ -11,6 +11,8 @@
 
 namespace gonio {
 
+class Deadline;
+
 struct SerialSettings {
   enum class Flow { kNone, kRtsCts, kXonXoff };
   enum class Parity { kNone, kEven, kOdd };
@@ -59,7 +61,6 @@ class SerialPort final : public ByteLink {
 
  private:
   struct Handle;  // libserialport's
-  class Deadline;
 
   SerialPort(std::string name, std::unique_ptr<Handle> handle);
   // Until the events of poll(2) can be served, or a reason why not.

@@ -26,6 +26,7 @@ Pty::Pty() : controller_(posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC)) {
     throw ConfigError(fmt::format("no pseudo-terminal to be had: {}", why));
   }
   path_ = path;
+  kept_open_ = open(path, O_RDWR | O_NOCTTY | O_CLOEXEC);
   cfmakeraw(&settings);  // else what we send before a program opens it would be echoed to us
   tcsetattr(controller_, TCSANOW, &settings);
 }
@@ -52,7 +53,8 @@ std::string Pty::Receive(Seconds limit) {
 
 void Pty::HangUp() {
   if (controller_ >= 0) close(controller_);
-  controller_ = -1;
+  if (kept_open_ >= 0) close(kept_open_);
+  controller_ = kept_open_ = -1;
 }
 
 }  // namespace gonio

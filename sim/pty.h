@@ -21,13 +21,14 @@ class Pty {
   // Where a program opens the other end: "/dev/pts/3".
   const std::string& path() const { return path_; }
   void Send(std::string_view bytes);
-  // What the program has sent; empty if nothing came within `limit`, or if nobody has it open.
+  // What the program has sent; empty if nothing came within `limit`.
   std::string Receive(Seconds limit);
   // Pulls out the cable.
   void HangUp();
 
  private:
   int controller_ = -1;
+  int kept_open_ = -1;  // the other end, too: while nobody has it open, waiting would not wait
   std::string path_;
 };
 

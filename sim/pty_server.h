@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+// A device that listens at the end of a pseudo-terminal.
+
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <thread>
+
+#include "sim/pty.h"
+
+namespace gonio {
+
+// Hands what a program sends to `device`, byte runs as they come, and sends back what it answers,
+// on a thread of its own until destroyed.
+class PtyServer {
+ public:
+  using Device = std::function<std::string(std::string_view bytes)>;
+
+  explicit PtyServer(Device device);
+  ~PtyServer();
+
+  const std::string& path() const { return path_; }
+  // Pulls out the cable: the program finds itself disconnected. Any thread.
+  void HangUp();
+
+ private:
+  void Serve();
+
+  Device device_;
+  Pty pty_;
+  std::string path_;
+  std::atomic<bool> ended_ = false;
+  std::thread thread_;
+};
+
+}  // namespace gonio
