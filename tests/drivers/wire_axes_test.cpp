@@ -21,17 +21,17 @@ AxisSubject ZaberSubject(bool turned) {
   settings.port = line->path();
   auto port = SerialPort::Open(settings);
   EXPECT_TRUE(port.ok()) << port.error().message;
-  zaber::AxisSettings axis_settings;
+  ControllerAxisSettings axis_settings;
   axis_settings.name = "light_azimuth";
   axis_settings.limits = {.min_position = -2,
                           .max_position = 3,
                           .max_speed = 0.5,
                           .acceleration = 1,
                           .position_tolerance = 1e-4};
-  axis_settings.zero = 0.3;
-  axis_settings.turned = turned;
-  auto axis = zaber::ZaberAxis::Open(std::make_shared<zaber::Chain>(std::move(port).value()),
-                                     axis_settings, subject.clock.get());
+  axis_settings.scale.zero = 0.3;
+  axis_settings.scale.turned = turned;
+  auto axis = zaber::OpenAxis(std::make_shared<zaber::Chain>(std::move(port).value()), {},
+                              axis_settings, subject.clock.get());
   EXPECT_TRUE(axis.ok()) << axis.error().message;
   subject.axis = std::move(axis).value();
   subject.shaft = [stage, line, turned] { return 0.3 + (turned ? -1 : 1) * stage->Shaft(); };

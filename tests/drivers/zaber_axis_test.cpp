@@ -24,8 +24,8 @@ std::shared_ptr<Chain> ChainTo(const PtyServer& line) {
   return std::make_shared<Chain>(std::move(port).value(), kReplyLimit);
 }
 
-AxisSettings Settings() {
-  AxisSettings settings;
+ControllerAxisSettings Settings() {
+  ControllerAxisSettings settings;
   settings.name = "arm";
   settings.limits = {.min_position = -2,
                      .max_position = 3,
@@ -37,14 +37,15 @@ AxisSettings Settings() {
 
 class ZaberFaults : public testing::Test {
  protected:
-  Result<std::unique_ptr<ZaberAxis>> Open(const AxisSettings& settings = Settings()) {
-    return ZaberAxis::Open(chain_, settings, clock_.get());
+  Result<std::unique_ptr<Axis>> Open(const ControllerAxisSettings& settings = Settings(),
+                                     const Address& address = {}) {
+    return OpenAxis(chain_, address, settings, clock_.get());
   }
-  std::string WhyNot(const AxisSettings& settings) {
-    const auto axis = Open(settings);
+  std::string WhyNot(const ControllerAxisSettings& settings, const Address& address = {}) {
+    const auto axis = Open(settings, address);
     return axis.ok() ? "opened" : axis.error().message;
   }
-  std::unique_ptr<ZaberAxis> Homed() {
+  std::unique_ptr<Axis> Homed() {
     auto axis = Open();
     EXPECT_TRUE(axis.ok() && (*axis)->Home({}).ok());
     return std::move(axis).value();
@@ -57,7 +58,7 @@ class ZaberFaults : public testing::Test {
 };
 
 TEST_F(ZaberFaults, RefusesWhatTheControllerCannotDo) {
-  AxisSettings settings = Settings();
+  ControllerAxisSettings settings = Settings();
   settings.limits.max_position = 7;
   EXPECT_EQ(
       WhyNot(settings),
@@ -68,11 +69,10 @@ TEST_F(ZaberFaults, RefusesWhatTheControllerCannotDo) {
   EXPECT_THAT(WhyNot(settings), HasSubstr("device 1 axis 1 rejected \"set maxspeed 10013163\""));
   settings.limits.max_speed = 1e-9;
   EXPECT_EQ(WhyNot(settings), "arm: maxspeed would be 0: too slow for it");
-  settings = Settings();
-  settings.device = 2;
-  EXPECT_EQ(WhyNot(settings), "arm: " + line_.path() +
-                                  ": no answer within 0.5 s, device 2 axis 1, asked \"get "
-                                  "limit.cycle.dist\"");
+  EXPECT_EQ(WhyNot(Settings(), {.device = 2, .axis = 1}),
+            "arm: " + line_.path() +
+                ": no answer within 0.5 s, device 2 axis 1, asked \"get "
+                "limit.cycle.dist\"");
   EXPECT_EQ(stage_.Shaft(), ZaberStage{}.switched_on_at / ZaberStage{}.steps_per_turn * 2 * kPi);
 }
 
@@ -122,7 +122,7 @@ TEST_F(ZaberFaults, ReportsAStall) {
   const auto still = axis->WaitUntilStill(Seconds(60), {});
   ASSERT_FALSE(still.ok());
   EXPECT_EQ(still.error().code, ErrorCode::kProtocol);
-  EXPECT_EQ(still.error().message, "arm: a move ended with fault FS");
+  EXPECT_EQ(still.error().message, "arm: a move ended: fault FS");
   EXPECT_TRUE(axis->State()->homed);  // seen behind the graver flag
 }
 

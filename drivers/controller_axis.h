@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+// The rules of motion that hold whatever controller is at the other end.
+
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "drivers/axis.h"
+
+namespace gonio {
+
+// What a controller says of itself, in its own unit.
+struct ControllerStatus {
+  double position = 0;
+  bool homed = false;
+  bool moving = false;  // homing and braking, too
+  std::string fault;    // what ended a move, or keeps it from beginning; empty: nothing
+};
+
+// One axis of a controller, so far as ControllerAxis needs it. Calls return when the controller has
+// answered, not when the motor stands. Messages of errors need not name the axis.
+class MotionController {
+ public:
+  virtual ~MotionController() = default;
+  virtual Result<ControllerStatus> Status() = 0;
+  virtual Result<void> StartHoming() = 0;
+  virtual Result<void> StartMove(double position) = 0;
+  virtual Result<void> StartStop() = 0;  // any thread
+};
+
+// Between the mechanism's angle and a controller's unit.
+struct AxisScale {
+  double units_per_radian = 1;  // > 0
+  double zero = 0;              // rad: the mechanism's angle where the controller reads 0
+  bool turned = false;          // the mechanism turns the other way
+
+  double ToUnits(double angle) const {
+    return (turned ? -1 : 1) * (angle - zero) * units_per_radian;
+  }
+  double ToAngle(double units) const { return zero + (turned ? -1 : 1) * units / units_per_radian; }
+};
+
+struct ControllerAxisSettings {
+  std::string name;   // in every error message
+  AxisLimits limits;  // of the mechanism
+  AxisScale scale;
+  Seconds home_limit{120};
+};
+
+// Empty if the limits lie between the controller's own, in its unit; else why not.
+std::string OutsideOf(const AxisLimits& limits, const AxisScale& scale, double least, double most);
+
+// Keeps the promises of Axis on any MotionController:
+//
+//   - Before each move the controller is asked whether it still has a reference.
+//   - A move has ended when the controller says so and the position read back is within tolerance.
+//   - A fault on the way stops the axis, as do a time-out and cancelling.
+//   - A stop is no fault, and waits until the motor stands.
+class ControllerAxis final : public Axis {
+ public:
+  // `clock` outlives the axis.
+  ControllerAxis(std::unique_ptr<MotionController> controller,
+                 const ControllerAxisSettings& settings, Clock* clock);
+  ~ControllerAxis() override;
+
+  const std::string& name() const override { return settings_.name; }
+  const AxisLimits& limits() const override { return settings_.limits; }
+  Result<AxisState> State() override;
+  Result<void> Home(std::stop_token stop) override;
+  Result<void> StartMove(double position) override;
+  Result<void> WaitUntilStill(Seconds limit, std::stop_token stop) override;
+  Result<void> Stop() override;
+
+ private:
+  Result<ControllerStatus> Status();
+  // Until the motor stands, or a reason why not; then it has been stopped.
+  Result<ControllerStatus> WaitForRest(Seconds limit, std::stop_token stop, const char* doing);
+  Result<void> Named(const Result<void>& result) const;
+  Error Fail(ErrorCode code, const std::string& what) const;
+
+  const std::unique_ptr<MotionController> controller_;
+  const ControllerAxisSettings settings_;
+  Clock* const clock_;
+  double target_ = 0;  // rad, of the last move
+};
+
+}  // namespace gonio
