@@ -14,6 +14,7 @@ namespace {
 
 constexpr Seconds kPoll{0.05};    // while it moves
 constexpr Seconds kStopLimit{5};  // braking takes longer only if something is wrong
+constexpr Seconds kLeast{1e-3};   // worth waiting for; a clock may be too coarse to pass less
 
 }  // namespace
 
@@ -92,7 +93,7 @@ Result<ControllerStatus> ControllerAxis::WaitForRest(Seconds limit, std::stop_to
     }
     if (!status->moving) return status;
     const Seconds left = limit - (clock_->Now() - begin);
-    if (stop.stop_requested() || left <= Seconds::zero()) {
+    if (stop.stop_requested() || left < kLeast) {
       if (const Result<void> stopped = Stop(); !stopped) return stopped.error();
       if (stop.stop_requested()) {
         return Fail(ErrorCode::kCancelled, fmt::format("{} was cancelled", doing));

@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "core/check.h"
+#include "drivers/quoted.h"
 
 namespace gonio::zaber {
 namespace {
@@ -44,16 +45,6 @@ class Words {
  private:
   std::string_view rest_;
 };
-
-// The line as a user may read it in a message, whatever bytes it is made of.
-std::string Quoted(std::string_view line) {
-  std::string text;
-  for (const char c : line) {
-    const auto byte = static_cast<unsigned char>(c);
-    text += byte >= 0x20 && byte < 0x7f ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
-  }
-  return '"' + text + '"';
-}
 
 Error Nonsense(std::string_view line, std::string_view what) {
   return {ErrorCode::kProtocol, fmt::format("{} {}", Quoted(line), what)};

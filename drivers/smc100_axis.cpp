@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/smc100_axis.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "core/units.h"
+#include "drivers/quoted.h"
+#include "drivers/smc100_codec.h"
+
+namespace gonio::smc100 {
+namespace {
+
+constexpr double kRounding = 1e-3;  // share by which a setting may come back different
+
+class Controller final : public MotionController {
+ public:
+  Controller(std::shared_ptr<Line> line, int address) : line_(std::move(line)), address_(address) {}
+
+  Result<ControllerStatus> Status() override;
+  Result<void> StartHoming() override;
+  Result<void> StartMove(double position) override {
+    return line_->Command(address_, fmt::format("PA{:.6f}", position));
+  }
+  Result<void> StartStop() override;
+
+  Result<double> Number(const std::string& command, const std::string& argument);
+  Result<void> Set(const std::string& setting, double value);
+
+ private:
+  const std::shared_ptr<Line> line_;
+  const int address_;
+};
+
+Result<ControllerStatus> Controller::Status() {
+  const Result<double> position = Number("TP", "");
+  if (!position) return position.error();
+  const Result<std::string> answer = line_->Query(address_, "TS", "");
+  if (!answer) return answer.error();
+  const Result<smc100::Status> status = DecodeStatus(*answer);
+  if (!status) return status.error();
+  const State state = status->state;
+  ControllerStatus result{
+      .position = *position,
+      .homed = state != State::kNotReferenced && state != State::kConfiguration &&
+               state != State::kHoming,
+      .moving = state == State::kHoming || state == State::kMoving || state == State::kJogging,
+      .fault = TextOf(status->errors)};
+  if (result.fault.empty() && state == State::kDisabled) result.fault = "the motor is disabled";
+  return result;
+}
+
+// One that has a reference refuses to look for it again.
+Result<void> Controller::StartHoming() {
+  const Result<ControllerStatus> status = Status();
+  if (!status) return status.error();
+  return status->homed ? Result<void>() : line_->Command(address_, "OR");
+}
+
+// Refused where there is nothing to stop, as without a reference: whether it stands is asked
+// anyway.
+Result<void> Controller::StartStop() {
+  const Result<void> told = line_->Command(address_, "ST");
+  return told || told.error().code != ErrorCode::kRefused ? told : Result<void>();
+}
+
+Result<double> Controller::Number(const std::string& command, const std::string& argument) {
+  const Result<std::string> answer = line_->Query(address_, command, argument);
+  if (!answer) return answer.error();
+  double value = 0;
+  const char* const end_of_answer = answer->data() + answer->size();
+  const auto [end, error] = std::from_chars(answer->data(), end_of_answer, value);
+  if (error != std::errc() || end != end_of_answer || !std::isfinite(value)) {
+    return Error{ErrorCode::kProtocol,
+                 fmt::format("{} is {}, not a number", command, Quoted(*answer))};
+  }
+  return value;
+}
+
+Result<void> Controller::Set(const std::string& setting, double value) {
+  const auto set = line_->Command(address_, fmt::format("{}{:.6f}", setting, value));
+  if (!set) return set;
+  const Result<double> got = Number(setting, "?");
+  if (!got) return got.error();
+  if (std::abs(*got - value) > kRounding * value) {
+    return Error{ErrorCode::kRefused,
+                 fmt::format("{} was set to {:.6g} and reads {:.6g}", setting, value, *got)};
+  }
+  return {};
+}
+
+Result<void> Prepare(Controller& controller, const ControllerAxisSettings& settings) {
+  const Result<double> least = controller.Number("SL", "?");
+  if (!least) return least.error();
+  const Result<double> most = controller.Number("SR", "?");
+  if (!most) return most.error();
+  const std::string outside = OutsideOf(settings.limits, settings.scale, *least, *most);
+  if (!outside.empty()) return Error{ErrorCode::kRefused, outside + " (SL, SR)"};
+  const auto set = controller.Set("VA", DegFromRad(settings.limits.max_speed));
+  if (!set) return set;
+  return controller.Set("AC", DegFromRad(settings.limits.acceleration));
+}
+
+}  // namespace
+
+Line::Line(std::unique_ptr<ByteLink> link, Seconds reply_limit)
+    : link_(std::move(link)), lines_(link_.get()), reply_limit_(reply_limit) {}
+
+Result<std::string> Line::Query(int address, const std::string& command,
+                                const std::string& argument) {
+  const std::lock_guard lock(mutex_);
+  Result<std::string> answer = Exchange(address, command, argument);
+  const bool worth_it = !answer && (answer.error().code == ErrorCode::kTimeout ||
+                                    answer.error().code == ErrorCode::kProtocol);
+  return worth_it ? Exchange(address, command, argument) : answer;
+}
+
+Result<void> Line::Command(int address, const std::string& command) {
+  const std::lock_guard lock(mutex_);
+  // An error left over from before must not be taken for this command's.
+  if (const auto before = Exchange(address, "TE", ""); !before) return before.error();
+  const auto sent = link_->Write(Encode(address, command), reply_limit_);
+  if (!sent) return sent.error();
+  const Result<std::string> error = Exchange(address, "TE", "");
+  if (!error) return error.error();
+  const std::string why = error->size() == 1 ? TextOfCommandError(error->front()) : Quoted(*error);
+  if (why.empty()) return {};
+  return Error{ErrorCode::kRefused,
+               fmt::format("{}: address {} refused {}: {}", link_->name(), address, command, why)};
+}
+
+Result<std::string> Line::Exchange(int address, const std::string& command,
+                                   const std::string& argument) {
+  if (const Result<void> discarded = lines_.Discard(); !discarded) return discarded.error();
+  const auto sent = link_->Write(Encode(address, command + argument), reply_limit_);
+  if (!sent) return sent.error();
+  const Result<std::string> line = lines_.Next(reply_limit_);
+  if (!line) {
+    return Error{line.error().code,
+                 fmt::format("{}, address {}, asked {}", line.error().message, address, command)};
+  }
+  Result<std::string> answer = AnswerTo(address, command, *line);
+  if (answer) return answer;
+  return Error{answer.error().code, fmt::format("{}: {}", link_->name(), answer.error().message)};
+}
+
+Result<std::unique_ptr<Axis>> OpenAxis(std::shared_ptr<Line> line, int address,
+                                       const ControllerAxisSettings& settings, Clock* clock) {
+  auto controller = std::make_unique<Controller>(std::move(line), address);
+  ControllerAxisSettings prepared = settings;
+  prepared.scale.units_per_radian = DegFromRad(1);
+  if (const auto done = Prepare(*controller, prepared); !done) {
+    return Error{done.error().code, settings.name + ": " + done.error().message};
+  }
+  return std::unique_ptr<Axis>(
+      std::make_unique<ControllerAxis>(std::move(controller), prepared, clock));
+}
+
+}  // namespace gonio::smc100
