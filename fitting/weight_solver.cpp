@@ -24,13 +24,14 @@ WeightSolver::WeightSolver(Eigen::MatrixXd features, Eigen::MatrixXd values, Eig
     : features_(std::move(features)),
       values_(std::move(values)),
       learned_(learned),
-      by_readings_(features_.cols() < features_.rows()) {
+      by_readings_(features_.cols() > 0 && features_.cols() < features_.rows()) {
   if (by_readings_) {
     gram_learned_ = LowerSquare(features_.topRows(learned_).transpose());
     gram_others_ = LowerSquare(features_.bottomRows(features_.rows() - learned_).transpose());
   } else {
     information_ = LowerSquare(features_);
-    pull_ = features_ * values_;
+    pull_ = Eigen::MatrixXd::Zero(features_.rows(), values_.cols());
+    if (features_.cols() > 0) pull_ += features_ * values_;  // Eigen must not see empty products
   }
 }
 
