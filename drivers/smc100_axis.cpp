@@ -3,13 +3,13 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <utility>
 
 #include "core/units.h"
-#include "drivers/quoted.h"
+#include "drivers/asked_twice.h"
 #include "drivers/smc100_codec.h"
+#include "drivers/wire_text.h"
 
 namespace gonio::smc100 {
 namespace {
@@ -69,15 +69,7 @@ Result<void> Controller::StartStop() {
 
 Result<double> Controller::Number(const std::string& command, const std::string& argument) {
   const Result<std::string> answer = line_->Query(address_, command, argument);
-  if (!answer) return answer.error();
-  double value = 0;
-  const char* const end_of_answer = answer->data() + answer->size();
-  const auto [end, error] = std::from_chars(answer->data(), end_of_answer, value);
-  if (error != std::errc() || end != end_of_answer || !std::isfinite(value)) {
-    return Error{ErrorCode::kProtocol,
-                 fmt::format("{} is {}, not a number", command, Quoted(*answer))};
-  }
-  return value;
+  return answer ? NumberIn(*answer, command) : answer.error();
 }
 
 Result<void> Controller::Set(const std::string& setting, double value) {
@@ -112,10 +104,7 @@ Line::Line(std::unique_ptr<ByteLink> link, Seconds reply_limit)
 Result<std::string> Line::Query(int address, const std::string& command,
                                 const std::string& argument) {
   const std::lock_guard lock(mutex_);
-  Result<std::string> answer = Exchange(address, command, argument);
-  const bool worth_it = !answer && (answer.error().code == ErrorCode::kTimeout ||
-                                    answer.error().code == ErrorCode::kProtocol);
-  return worth_it ? Exchange(address, command, argument) : answer;
+  return AskedTwice([&] { return Exchange(address, command, argument); });
 }
 
 Result<void> Line::Command(int address, const std::string& command) {

@@ -8,7 +8,7 @@
 #include <iterator>
 #include <optional>
 
-#include "drivers/quoted.h"
+#include "drivers/wire_text.h"
 
 namespace gonio::smc100 {
 namespace {

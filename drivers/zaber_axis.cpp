@@ -3,12 +3,12 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
 
 #include "core/units.h"
+#include "drivers/wire_text.h"
 
 namespace gonio::zaber {
 namespace {
@@ -55,20 +55,10 @@ class Controller final : public MotionController {
   const Address address_;
 };
 
-Result<double> NumberOf(const Message& reply, const std::string& setting) {
-  const std::string& text = reply.data;
-  double value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
-    return Error{ErrorCode::kProtocol, fmt::format("{} is \"{}\", not a number", setting, text)};
-  }
-  return value;
-}
-
 Result<ControllerStatus> Controller::Status() {
   const Result<Message> reply = Ask("get pos");
   if (!reply) return reply.error();
-  const Result<double> position = NumberOf(*reply, "pos");
+  const Result<double> position = NumberIn(reply->data, "pos");
   if (!position) return position.error();
   ControllerStatus status{.position = *position,
                           .homed = !LostReference(reply->warning),
@@ -86,7 +76,7 @@ Result<ControllerStatus> Controller::Status() {
 
 Result<double> Controller::Setting(const std::string& setting) {
   const Result<Message> reply = Ask("get " + setting);
-  return reply ? NumberOf(*reply, setting) : reply.error();
+  return reply ? NumberIn(reply->data, setting) : reply.error();
 }
 
 Result<void> Controller::Set(const std::string& setting, double value) {

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "drivers/asked_twice.h"
 #include "drivers/deadline.h"
 
 namespace gonio::zaber {
@@ -18,10 +19,7 @@ Chain::Chain(std::unique_ptr<ByteLink> link, Seconds reply_limit)
     : link_(std::move(link)), lines_(link_.get()), reply_limit_(reply_limit) {}
 
 Result<Message> Chain::Query(int device, int axis, const std::string& data) {
-  Result<Message> reply = Command(device, axis, data);
-  const bool worth_it = !reply && (reply.error().code == ErrorCode::kTimeout ||
-                                   reply.error().code == ErrorCode::kProtocol);
-  return worth_it ? Command(device, axis, data) : reply;
+  return AskedTwice([&] { return Command(device, axis, data); });
 }
 
 Result<Message> Chain::Command(int device, int axis, const std::string& data) {

@@ -7,7 +7,7 @@
 #include <charconv>
 
 #include "core/check.h"
-#include "drivers/quoted.h"
+#include "drivers/wire_text.h"
 
 namespace gonio::zaber {
 namespace {

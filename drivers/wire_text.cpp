@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "drivers/quoted.h"
+#include "drivers/wire_text.h"
 
 #include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
 
 namespace gonio {
 
@@ -13,6 +16,15 @@ std::string Quoted(std::string_view bytes) {
     text += byte >= 0x20 && byte < 0x7f ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
   }
   return text + (bytes.size() > kMost ? "...\"" : "\"");
+}
+
+Result<double> NumberIn(std::string_view text, std::string_view what) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    return Error{ErrorCode::kProtocol, fmt::format("{} is {}, not a number", what, Quoted(text))};
+  }
+  return value;
 }
 
 }  // namespace gonio
