@@ -12,10 +12,9 @@
 
 namespace gonio {
 
-// A serial port (drivers/serial_port.h), or a script in a test. Knows nothing of lines, packets or
-// who asked what.
+// A serial port (drivers/serial_port.h). Knows nothing of lines, packets or who asked what.
 //
-// Promises, checked by tests/conformance/byte_link.h:
+// Promises, checked by tests/drivers/serial_port_test.cpp:
 //
 //   1. Bytes arrive as they were sent, all 256 of them, and in order.
 //   2. Every call returns within its limit and 100 ms: with kTimeout while the far end is there and

@@ -42,8 +42,10 @@ Error Refused(std::string message) { return {ErrorCode::kRefused, std::move(mess
 Result<std::string> PathOf(const std::string& port) {
   if (port.compare(0, kByUsbSerial.size(), kByUsbSerial) != 0) return port;
   const std::string serial = port.substr(kByUsbSerial.size());
+  const Result<std::vector<SerialPortInfo>> ports = ListSerialPorts();
+  if (!ports) return ports.error();
   std::vector<std::string> found;
-  for (const SerialPortInfo& info : ListSerialPorts()) {
+  for (const SerialPortInfo& info : *ports) {
     if (!serial.empty() && info.usb_serial == serial) found.push_back(info.path);
   }
   if (found.size() == 1) return found.front();
@@ -54,14 +56,22 @@ Result<std::string> PathOf(const std::string& port) {
                              fmt::join(found, ", ")));
 }
 
-// What went wrong in the library's last call.
-std::string LastError() {
-  const int code = sp_last_error_code();
-  return code == 0 ? "not supported" : std::strerror(code);
+// What went wrong in the library's last call, which returned this.
+std::string WhyOf(sp_return result) {
+  switch (result) {
+    case SP_ERR_FAIL:
+      return std::strerror(sp_last_error_code());
+    case SP_ERR_SUPP:
+      return "not supported";
+    case SP_ERR_MEM:
+      return "no memory";
+    default:
+      return "invalid argument";
+  }
 }
 
-std::string WhyNotOpened(const std::string& path) {
-  switch (sp_last_error_code()) {
+std::string WhyNotOpened(const std::string& path, sp_return result) {
+  switch (result == SP_ERR_FAIL ? sp_last_error_code() : 0) {
     case EACCES:
       return fmt::format(
           "{}: no permission; add yourself to the group that owns it, dialout as a rule: "
@@ -74,30 +84,37 @@ std::string WhyNotOpened(const std::string& path) {
     case EBUSY:
       return fmt::format("{}: in use by another program", path);
     default:
-      return fmt::format("{}: cannot be opened: {}", path, LastError());
+      return fmt::format("{}: cannot be opened: {}", path, WhyOf(result));
   }
 }
 
-// The setting that could not be made, if any.
+// The setting that could not be made and why, if any.
 std::optional<std::string> Configure(sp_port* port, const SerialSettings& s) {
-  const auto failed = [](sp_return result) { return result != SP_OK; };
   const sp_parity parity = s.parity == SerialSettings::Parity::kNone   ? SP_PARITY_NONE
                            : s.parity == SerialSettings::Parity::kEven ? SP_PARITY_EVEN
                                                                        : SP_PARITY_ODD;
   const sp_flowcontrol flow = s.flow == SerialSettings::Flow::kNone     ? SP_FLOWCONTROL_NONE
                               : s.flow == SerialSettings::Flow::kRtsCts ? SP_FLOWCONTROL_RTSCTS
                                                                         : SP_FLOWCONTROL_XONXOFF;
-  if (failed(sp_set_baudrate(port, s.baud))) return fmt::format("{} baud", s.baud);
-  if (failed(sp_set_bits(port, 8))) return "8 data bits";
-  if (failed(sp_set_parity(port, parity))) return "this parity";
-  if (failed(sp_set_stopbits(port, s.stop_bits))) return fmt::format("{} stop bits", s.stop_bits);
-  // Flow control sets the lines it uses, so those it leaves alone come afterwards.
-  if (failed(sp_set_flowcontrol(port, flow))) return "this flow control";
-  if (failed(sp_set_dtr(port, s.dtr ? SP_DTR_ON : SP_DTR_OFF))) return "DTR";
-  if (s.flow != SerialSettings::Flow::kRtsCts &&
-      failed(sp_set_rts(port, s.rts ? SP_RTS_ON : SP_RTS_OFF))) {
-    return "RTS";
+  sp_return result = SP_OK;
+  const auto failed = [&](sp_return of_call) { return (result = of_call) != SP_OK; };
+  const auto because = [&](const std::string& setting) {
+    return fmt::format("{}: {}", setting, WhyOf(result));
+  };
+  // 0 baud would hang up.
+  if (failed(s.baud > 0 ? sp_set_baudrate(port, s.baud) : SP_ERR_ARG)) {
+    return because(fmt::format("{} baud", s.baud));
   }
+  if (failed(sp_set_bits(port, 8))) return because("8 data bits");
+  if (failed(sp_set_parity(port, parity))) return because("this parity");
+  if (failed(sp_set_stopbits(port, s.stop_bits))) {
+    return because(fmt::format("{} stop bits", s.stop_bits));
+  }
+  // Flow control sets the lines it uses, so those it leaves alone come afterwards.
+  if (failed(sp_set_flowcontrol(port, flow))) return because("this flow control");
+  if (failed(sp_set_dtr(port, s.dtr ? SP_DTR_ON : SP_DTR_OFF))) return because("DTR");
+  if (s.flow == SerialSettings::Flow::kRtsCts) return std::nullopt;
+  if (failed(sp_set_rts(port, s.rts ? SP_RTS_ON : SP_RTS_OFF))) return because("RTS");
   return std::nullopt;
 }
 
@@ -122,10 +139,12 @@ struct SerialPort::Handle {
   }
 };
 
-std::vector<SerialPortInfo> ListSerialPorts() {
-  std::vector<SerialPortInfo> infos;
+Result<std::vector<SerialPortInfo>> ListSerialPorts() {
   sp_port** ports = nullptr;
-  if (sp_list_ports(&ports) != SP_OK) return infos;
+  if (const sp_return result = sp_list_ports(&ports); result != SP_OK) {
+    return Refused(fmt::format("serial ports cannot be listed: {}", WhyOf(result)));
+  }
+  std::vector<SerialPortInfo> infos;
   for (sp_port** port = ports; *port != nullptr; ++port) infos.push_back(InfoOf(*port));
   sp_free_port_list(ports);
   std::sort(infos.begin(), infos.end(),
@@ -141,13 +160,15 @@ Result<std::unique_ptr<SerialPort>> SerialPort::Open(const SerialSettings& setti
     return Refused(
         fmt::format("{}: no such serial port; gonio devices lists those there are", *path));
   }
-  if (sp_open(handle->port, SP_MODE_READ_WRITE) != SP_OK) return Refused(WhyNotOpened(*path));
+  if (const sp_return result = sp_open(handle->port, SP_MODE_READ_WRITE); result != SP_OK) {
+    return Refused(WhyNotOpened(*path, result));
+  }
   handle->open = true;
   if (flock(handle->descriptor(), LOCK_EX | LOCK_NB) != 0) {
     return Refused(fmt::format("{}: in use by another program", *path));
   }
-  if (const auto setting = Configure(handle->port, settings)) {
-    return Refused(fmt::format("{}: cannot have {}: {}", *path, *setting, LastError()));
+  if (const auto refused = Configure(handle->port, settings)) {
+    return Refused(fmt::format("{}: cannot have {}", *path, *refused));
   }
   std::unique_ptr<SerialPort> port(new SerialPort(*path, std::move(handle)));
   if (const Result<void> discarded = port->DiscardInput(); !discarded) return discarded.error();
@@ -171,37 +192,46 @@ Result<void> SerialPort::WaitFor(short events, const Deadline& deadline, const c
     if (count < 0 && errno == EINTR) continue;
     if (count < 0 || (ready.revents & (POLLERR | POLLHUP | POLLNVAL)) != 0) break;
     if (count > 0) return {};
-    return Error{ErrorCode::kTimeout,
-                 fmt::format("{}: {} within {:.3g} s", name_, doing, deadline.limit().count())};
+    return TooLate(deadline, doing);
   }
   return Gone();
 }
 
+Error SerialPort::TooLate(const Deadline& deadline, const char* doing) const {
+  return {ErrorCode::kTimeout,
+          fmt::format("{}: {} within {:.3g} s", name_, doing, deadline.limit().count())};
+}
+
 Result<void> SerialPort::Write(std::string_view bytes, Seconds limit) {
   const Deadline deadline(limit);
+  constexpr const char* kDoing = "not all bytes were taken";
   while (!bytes.empty()) {
-    const Result<void> ready = WaitFor(POLLOUT, deadline, "not all bytes were taken");
+    const Result<void> ready = WaitFor(POLLOUT, deadline, kDoing);
     if (!ready) return ready;
     const sp_return taken = sp_nonblocking_write(handle_->port, bytes.data(), bytes.size());
     if (taken < 0) return Gone();
     bytes.remove_prefix(static_cast<std::size_t>(taken));
+    // Room that is announced need not be there.
+    if (!bytes.empty() && deadline.Left() <= Seconds(0)) return TooLate(deadline, kDoing);
   }
   return {};
 }
 
 Result<std::string> SerialPort::Read(std::size_t most, Seconds limit) {
   const Deadline deadline(limit);
+  constexpr const char* kDoing = "no answer";
   std::string bytes(most, '\0');
   while (true) {
-    const Result<void> ready = WaitFor(POLLIN, deadline, "no answer");
+    const Result<void> ready = WaitFor(POLLIN, deadline, kDoing);
     if (!ready) return ready.error();
     const sp_return count = sp_nonblocking_read(handle_->port, bytes.data(), bytes.size());
     if (count > 0) {
       bytes.resize(static_cast<std::size_t>(count));
       return bytes;
     }
-    // Nothing to read although there was: another reader is shut out, so the far end went.
+    // Nothing to read although there was: as a rule the far end went.
     if (count < 0 || sp_input_waiting(handle_->port) < 0) return Gone();
+    if (deadline.Left() <= Seconds(0)) return TooLate(deadline, kDoing);
   }
 }
 

@@ -39,8 +39,8 @@ struct SerialPortInfo {
   std::string usb_serial;   // "A1"
 };
 
-// All ports of this machine, by path.
-std::vector<SerialPortInfo> ListSerialPorts();
+// All ports of this machine, by path. kRefused: the system does not tell.
+Result<std::vector<SerialPortInfo>> ListSerialPorts();
 
 // An open port: exclusively ours until destroyed, since two programs that share one read each
 // other's replies. Raw: no byte is changed or swallowed.
@@ -65,6 +65,7 @@ class SerialPort final : public ByteLink {
   SerialPort(std::string name, std::unique_ptr<Handle> handle);
   // Until the events of poll(2) can be served, or a reason why not.
   Result<void> WaitFor(short events, const Deadline& deadline, const char* doing);
+  Error TooLate(const Deadline& deadline, const char* doing) const;
   Error Gone();
 
   std::string name_;

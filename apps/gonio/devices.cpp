@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 #include "apps/gonio/commands.h"
 #include "apps/gonio/json_file.h"
@@ -38,9 +39,10 @@ nlohmann::json ToJson(const std::vector<SerialPortInfo>& ports) {
 }  // namespace
 
 int DevicesCommand(const DevicesOptions& options) {
-  const std::vector<SerialPortInfo> ports = ListSerialPorts();
-  if (options.json != "-") Print(ports);
-  if (!options.json.empty()) WriteJson(options.json, ToJson(ports));
+  const Result<std::vector<SerialPortInfo>> ports = ListSerialPorts();
+  if (!ports) throw std::runtime_error(ports.error().message);
+  if (options.json != "-") Print(*ports);
+  if (!options.json.empty()) WriteJson(options.json, ToJson(*ports));
   return kDone;
 }
 

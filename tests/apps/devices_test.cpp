@@ -63,9 +63,18 @@ TEST_F(Devices, WritesTheSameAsJson) {
   EXPECT_EQ(ports[0].at("usb_serial"), "A1");
 }
 
+// A terminal of the screen is no serial port.
 TEST_F(Devices, SaysThatThereIsNone) {
-  const std::string nothing = "P: /devices/nothing\nE: SUBSYSTEM=usb\n";
-  EXPECT_EQ(WithAdapter(nothing, ""), "no serial port; is the adapter plugged in?\n");
+  const std::string screen =
+      "P: /devices/virtual/tty/tty1\nE: SUBSYSTEM=tty\nE: DEVNAME=/dev/tty1\n";
+  EXPECT_EQ(WithAdapter(screen, ""), "no serial port; is the adapter plugged in?\n");
+}
+
+// Example failure is a command that finds no ports because it may not look.
+TEST_F(Devices, FailsWhereTheSystemDoesNotTell) {
+  File("adapter.umockdev", "P: /devices/nothing\nE: SUBSYSTEM=usb\n");
+  const Finished finished = Shell("umockdev-run --device adapter.umockdev -- \"$GONIO\" devices");
+  ExpectRefused(finished, 1, {"serial ports cannot be listed: No such file or directory"});
 }
 
 }  // namespace

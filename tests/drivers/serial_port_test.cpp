@@ -144,6 +144,22 @@ TEST(SerialPort, TakesTheSettingsOfAllOurDevices) {
   }
 }
 
+TEST(SerialPort, RefusesSettingsThatItCannotHave) {
+  Pty pty;
+  const auto message_of = [&](SerialSettings settings) {
+    settings.port = pty.path();
+    const auto opened = SerialPort::Open(settings);
+    return opened.ok() ? "opened" : opened.error().message;
+  };
+  SerialSettings settings;
+  settings.baud = 0;
+  EXPECT_EQ(message_of(settings), pty.path() + ": cannot have 0 baud: invalid argument");
+  settings = {};
+  settings.stop_bits = 3;
+  EXPECT_EQ(message_of(settings), pty.path() + ": cannot have 3 stop bits: invalid argument");
+  EXPECT_EQ(message_of({}), "opened");  // nothing stays locked
+}
+
 TEST(SerialPort, NamesThePortThatIsNotThere) {
   const auto message_of = [](const std::string& port) {
     SerialSettings settings;
