@@ -21,10 +21,20 @@ void PtyServer::HangUp() {
   pty_.HangUp();
 }
 
+void PtyServer::set_silent(bool silent) { silent_ = silent; }
+void PtyServer::Garble(int answers) { garbled_ = answers; }
+
 void PtyServer::Serve() {
   while (!ended_) {
     const std::string bytes = pty_.Receive(kPatience);
-    if (!bytes.empty()) pty_.Send(device_(bytes));
+    if (bytes.empty()) continue;
+    std::string answer = device_(bytes);
+    if (silent_ || answer.size() < 2) continue;
+    if (garbled_ > 0) {
+      --garbled_;
+      answer[1] ^= 2;
+    }
+    pty_.Send(answer);
   }
 }
 

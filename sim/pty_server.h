@@ -23,8 +23,11 @@ class PtyServer {
   ~PtyServer();
 
   const std::string& path() const { return path_; }
-  // Pulls out the cable: the program finds itself disconnected. Any thread.
-  void HangUp();
+
+  // Faults of the wire. Any thread.
+  void HangUp();                 // pulls out the cable: the program finds itself disconnected
+  void set_silent(bool silent);  // the device hears and does, but no answer arrives
+  void Garble(int answers);      // a bit in the second byte of each of the next ones is wrong
 
  private:
   void Serve();
@@ -33,6 +36,8 @@ class PtyServer {
   Pty pty_;
   std::string path_;
   std::atomic<bool> ended_ = false;
+  std::atomic<bool> silent_ = false;
+  std::atomic<int> garbled_ = 0;
   std::thread thread_;
 };
 

@@ -32,13 +32,8 @@ std::string Smc100Emulator::Receive(std::string_view bytes) {
       pending_ += c;
       continue;
     }
-    std::string answer = Answer(std::exchange(pending_, {}));
-    if (answer.empty() || silent_) continue;
-    if (garbled_ > 0) {
-      --garbled_;
-      answer[1] ^= 2;
-    }
-    answers += answer + "\r\n";
+    const std::string answer = Answer(std::exchange(pending_, {}));
+    if (!answer.empty()) answers += answer + "\r\n";
   }
   return answers;
 }
@@ -131,16 +126,6 @@ void Smc100Emulator::Fail(unsigned error_bits) {
   motor_.Stop();
   errors_ = error_bits;
   referenced_ = false;
-}
-
-void Smc100Emulator::set_silent(bool silent) {
-  const std::lock_guard lock(mutex_);
-  silent_ = silent;
-}
-
-void Smc100Emulator::Garble(int answers) {
-  const std::lock_guard lock(mutex_);
-  garbled_ = answers;
 }
 
 }  // namespace gonio

@@ -23,7 +23,8 @@ struct Smc100Stage {
 
 // As much of it as a driver needs; written from the published command set and not from our codec.
 // Like the real one it answers nothing to commands and passes over those it does not obey, having
-// noted the error. Moves take the time of `clock`. Any thread.
+// noted the error. Moves take the time of `clock`, with an acceleration of its own whatever is set.
+// Any thread.
 class Smc100Emulator {
  public:
   Smc100Emulator(const Smc100Stage& stage, std::shared_ptr<Clock> clock);
@@ -36,8 +37,6 @@ class Smc100Emulator {
   // Faults.
   void Reset();                    // power fails and comes back
   void Fail(unsigned error_bits);  // stands; the positioner reports these errors until homed
-  void set_silent(bool silent);
-  void Garble(int answers);
 
  private:
   std::string Answer(std::string line);
@@ -58,8 +57,6 @@ class Smc100Emulator {
   double acceleration_ = 80;  // deg/s^2
   char error_ = '@';
   unsigned errors_ = 0;
-  bool silent_ = false;
-  int garbled_ = 0;
 };
 
 }  // namespace gonio

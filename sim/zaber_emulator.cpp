@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 #include "core/units.h"
 
@@ -79,14 +80,7 @@ std::string ZaberEmulator::Receive(std::string_view bytes) {
       pending_ += c;
       continue;
     }
-    std::string answer = Answer(std::move(pending_));
-    pending_.clear();
-    if (silent_) continue;
-    if (garbled_ > 0 && !answer.empty()) {
-      --garbled_;
-      answer[answer.size() / 2] ^= 4;
-    }
-    answers += answer;
+    answers += Answer(std::exchange(pending_, {}));
   }
   return answers;
 }
@@ -200,16 +194,6 @@ void ZaberEmulator::Stall() {
   const std::lock_guard lock(mutex_);
   axis_->Halt();
   axis_->stalled = true;
-}
-
-void ZaberEmulator::set_silent(bool silent) {
-  const std::lock_guard lock(mutex_);
-  silent_ = silent;
-}
-
-void ZaberEmulator::Garble(int replies) {
-  const std::lock_guard lock(mutex_);
-  garbled_ = replies;
 }
 
 }  // namespace gonio

@@ -24,8 +24,8 @@ struct ZaberStage {
 
 // Device with one axis, firmware 7, of which as much as a driver needs; written from the published
 // message format and not from our codec, so that a mistake in that cannot hide. Moves take the time
-// of `clock`. Like the real one it moves without a reference if it is told to, from wherever it
-// thinks it is. Any thread.
+// of `clock`, with an acceleration of its own whatever is set. Like the real one it moves without a
+// reference if it is told to, from wherever it thinks it is. Any thread.
 class ZaberEmulator {
  public:
   ZaberEmulator(const ZaberStage& stage, std::shared_ptr<Clock> clock);
@@ -38,10 +38,8 @@ class ZaberEmulator {
   double Shaft() const;
 
   // Faults.
-  void Reset();                  // power fails and comes back: stands, and has no reference
-  void Stall();                  // stands, flag FS until the next move
-  void set_silent(bool silent);  // hears and does, but does not answer
-  void Garble(int replies);      // a bit of each of the next replies is wrong
+  void Reset();  // power fails and comes back: stands, and has no reference
+  void Stall();  // stands, flag FS until the next move
 
  private:
   struct Axis;
@@ -56,8 +54,6 @@ class ZaberEmulator {
   mutable std::mutex mutex_;
   std::string pending_;
   std::unique_ptr<Axis> axis_;
-  bool silent_ = false;
-  int garbled_ = 0;
 };
 
 }  // namespace gonio
