@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "drivers/move_time.h"
 
 namespace gonio {
 namespace {
@@ -28,12 +29,6 @@ std::optional<double> WithinLimits(double position, const AxisLimits& limits) {
     return std::nullopt;
   }
   return std::clamp(position, limits.min_position, limits.max_position);
-}
-
-// Of a move that is made, however short: what an axis may be off by is no way to plan.
-Seconds TimeOfMove(double way, const AxisLimits& limits) {
-  if (way <= 0) return Seconds(0);
-  return TrapezoidTime(way, limits.max_speed, limits.acceleration) + limits.move_overhead;
 }
 
 // Where between `a_home` and `b_home` two axes that must stay a fixed angle apart arrive at the
@@ -73,23 +68,9 @@ void VisitAzimuths(double difference, const AxisLimits& light, const AxisLimits&
 
 }  // namespace
 
-Seconds TrapezoidTime(double distance, double max_speed, double acceleration) {
-  if (distance <= 0) return Seconds(0);
-  if (distance < max_speed * max_speed / acceleration) {
-    return Seconds(2 * std::sqrt(distance / acceleration));
-  }
-  return Seconds(distance / max_speed + max_speed / acceleration);
+Kinematics::Kinematics(const RigConfig& rig) : geometry_(rig.geometry) {
+  std::transform(rig.axes.begin(), rig.axes.end(), limits_.begin(), TargetLimits);
 }
-
-bool Stays(double distance, const AxisLimits& limits) {
-  return limits.move_overhead > Seconds(0) && std::abs(distance) <= limits.position_tolerance;
-}
-
-Seconds MoveTime(double distance, const AxisLimits& limits) {
-  return Stays(distance, limits) ? Seconds(0) : TimeOfMove(std::abs(distance), limits);
-}
-
-Kinematics::Kinematics(const RigConfig& rig) : limits_(rig.axes), geometry_(rig.geometry) {}
 
 DirectionPair Kinematics::Forward(const ArmAngles& angles) const {
   return {FromSpherical(kPi / 2 - angles[kLightElevation], angles[kLightAzimuth]),

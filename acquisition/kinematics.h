@@ -35,19 +35,8 @@ class Kinematics {
  private:
   bool Allowed(const DirectionPair& pair) const;
 
-  std::array<AxisLimits, kAxes> limits_;
+  std::array<AxisLimits, kAxes> limits_;  // of targets
   GeometryConfig geometry_;
 };
-
-// Duration of a trapezoidal (or triangular) move over `distance` [rad] >= 0.
-Seconds TrapezoidTime(double distance, double max_speed, double acceleration);
-
-// Whether an axis this far [rad] from its target is left where it is: a move of which every one
-// costs is not made for less than the tolerance. Samples carry the encoders' readings anyway.
-bool Stays(double distance, const AxisLimits& limits);
-
-// Duration of one axis' move over `distance` [rad] of either sign: trapezoidal, plus what every
-// move of this axis costs; zero for one that stays.
-Seconds MoveTime(double distance, const AxisLimits& limits);
 
 }  // namespace gonio

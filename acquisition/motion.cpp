@@ -7,30 +7,45 @@
 #include <string>
 #include <vector>
 
-#include "acquisition/kinematics.h"
 #include "core/units.h"
+#include "drivers/move_time.h"
 
 namespace gonio {
 namespace {
 
 // How long a move may take: half as long again as it should, and two seconds for the controller.
-Seconds TimeLimit(const AxisLimits& limits, double distance) {
-  return 1.5 * MoveTime(distance, limits) + Seconds(2);
-}
+Seconds TimeLimit(Seconds expected) { return 1.5 * expected + Seconds(2); }
 
-// Starts `axes` together and waits for each. An axis that ran out of time counts as arrived: the
-// read-back will tell.
-Result<void> MoveOnce(const RigConfig& rig, Devices& devices, const std::vector<int>& axes,
-                      const ArmAngles& from, const ArmAngles& target, std::stop_token stop) {
+// Starts `axes` together and waits for each. An axis that ran out of time, or came to rest beside
+// its target, counts as arrived: the read-back will tell.
+Result<void> MoveLeg(Devices& devices, const std::vector<int>& axes, const ArmAngles& target,
+                     std::stop_token stop) {
+  ArmAngles expected{};  // s
   for (const int i : axes) {
-    if (auto started = devices.axes[i]->StartMove(target[i]); !started) return started.error();
+    const auto started = devices.axes[i]->StartMove(target[i]);
+    if (!started) return started.error();
+    expected[i] = started->count();
   }
   for (const int i : axes) {
-    const Seconds limit = TimeLimit(rig.axes[i], target[i] - from[i]);
-    const auto still = devices.axes[i]->WaitUntilStill(limit, stop);
-    if (!still && still.error().code != ErrorCode::kTimeout) return still.error();
+    const auto still = devices.axes[i]->WaitUntilStill(TimeLimit(Seconds(expected[i])), stop);
+    if (!still && still.error().code != ErrorCode::kTimeout) return still;
   }
   return {};
+}
+
+// By way of turning points where an axis has to come from the other side.
+Result<void> MoveOnce(const RigConfig& rig, Devices& devices, const std::vector<int>& axes,
+                      const ArmAngles& from, const ArmAngles& target, std::stop_token stop) {
+  ArmAngles first = target;
+  std::vector<int> turning;
+  for (const int i : axes) {
+    const auto turn = TurningPoint(from[i], target[i], rig.axes[i]);
+    if (!turn) continue;
+    first[i] = *turn;
+    turning.push_back(i);
+  }
+  if (auto moved = MoveLeg(devices, axes, first, stop); !moved) return moved;
+  return MoveLeg(devices, turning, target, stop);
 }
 
 Result<Arrival> MoveWithRetries(const RigConfig& rig, Devices& devices, Clock& clock,

@@ -20,6 +20,9 @@ struct AxisLimits {
   double max_speed = 0;           // rad/s, > 0
   double acceleration = 0;        // rad/s^2, > 0
   double position_tolerance = 0;  // rad, > 0: a move that ends within this has arrived
+  // Where it is not 0 [rad], every move ends over the last part of its way in this direction, so
+  // that the play of the gear is always on the same side; for the caller (drivers/move_time.h).
+  double approach = 0;
   // Taken by every move on top, however short: fly-back, a clutch, the settling of a heavy stage.
   Seconds move_overhead{0};
 };
@@ -47,14 +50,16 @@ struct AxisState {
 //      limits().position_tolerance.
 //   2. StartMove() to a target outside limits(), to NaN, or before Home() is kRefused, and nothing
 //      is sent to the motor.
-//   3. Stop() may be called from any thread, at any time, any number of times. The axis is at rest
-//      when it returns.
+//   3. Stop() and EmergencyStop() may be called from any thread, at any time, any number of times.
+//      The axis is at rest when they return.
 //   4. After kDisconnected every later call returns kDisconnected. No call reconnects behind the
 //      caller's back.
 //   5. The destructor stops the motor.
+//   6. After a fault, or once its motor has been without power, an axis is not homed, whatever the
+//      controller says, until Home() succeeds.
 //
-// Except for Stop(), calls on one axis come from one thread. Different axes are independent: start
-// several moves, then wait for each.
+// Except for the stops, calls on one axis come from one thread. Different axes are independent:
+// start several moves, then wait for each.
 //
 // Errors: kTimeout       the controller did not answer, or the move did not end, in time
 //         kDisconnected  the link is gone; open the device again
@@ -70,6 +75,10 @@ class Axis {
 
   virtual const AxisLimits& limits() const = 0;
 
+  // What the device said it is when it was opened, and the settings it was given: one line for the
+  // session's record.
+  virtual const std::string& identity() const = 0;
+
   // Asks the controller. Takes one round trip, typically 5 to 20 ms.
   virtual Result<AxisState> State() = 0;
 
@@ -77,14 +86,20 @@ class Axis {
   // range, so the other arm must be clear.
   virtual Result<void> Home(std::stop_token stop) = 0;
 
-  // Starts a move to `position` (rad) and returns at once.
-  virtual Result<void> StartMove(double position) = 0;
+  // Starts a move to `position` (rad) and returns at once: how long it should take, by distance,
+  // speed and acceleration.
+  virtual Result<Seconds> StartMove(double position) = 0;
 
   // Blocks until the last move has ended at its target, or fails with kTimeout after `limit`,
-  // having stopped the axis. Mechanical ringing is the caller's to wait out.
+  // having stopped the axis. kTimeout, too, for one that ended beside its target and may be
+  // repeated. Mechanical ringing is the caller's to wait out.
   virtual Result<void> WaitUntilStill(Seconds limit, std::stop_token stop) = 0;
 
+  // Brakes as it does at the end of a move.
   virtual Result<void> Stop() = 0;
+
+  // Brakes as hard as the controller can, which may cost it its reference.
+  virtual Result<void> EmergencyStop() = 0;
 };
 
 }  // namespace gonio

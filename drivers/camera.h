@@ -49,6 +49,8 @@ class Camera {
  public:
   virtual ~Camera() = default;
   virtual const std::string& name() const = 0;
+  // What the device said it is when it was opened, and the settings it was given, on one line.
+  virtual const std::string& identity() const = 0;
   virtual const CameraInfo& info() const = 0;
   // Exposes and reads out: blocks for exposure + readout.
   virtual Result<Frame> Capture(Seconds exposure, std::stop_token stop) = 0;

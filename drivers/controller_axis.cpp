@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "core/units.h"
+#include "drivers/move_time.h"
 
 namespace gonio {
 namespace {
@@ -15,6 +17,28 @@ namespace {
 constexpr Seconds kPoll{0.05};    // while it moves
 constexpr Seconds kStopLimit{5};  // braking takes longer only if something is wrong
 constexpr Seconds kLeast{1e-3};   // worth waiting for; a clock may be too coarse to pass less
+constexpr Seconds kStallLimit{2};
+constexpr double kNearMiss = 50;  // tolerances; farther off, the move was ended by somebody
+
+// Notices a motor that stands although its controller says that it moves.
+class StallWatch {
+ public:
+  StallWatch(const Clock& clock, double least) : clock_(clock), least_(least) {}
+
+  bool Stands(double position) {
+    if (std::isnan(last_) || std::abs(position - last_) > least_) {
+      last_ = position;
+      since_ = clock_.Now();
+    }
+    return clock_.Now() - since_ > kStallLimit;
+  }
+
+ private:
+  const Clock& clock_;
+  const double least_;  // rad: less is noise of the encoder
+  double last_ = std::numeric_limits<double>::quiet_NaN();
+  Seconds since_{0};
+};
 
 }  // namespace
 
@@ -29,14 +53,24 @@ std::string OutsideOf(const AxisLimits& limits, const AxisScale& scale, double l
 
 ControllerAxis::ControllerAxis(std::unique_ptr<MotionController> controller,
                                const ControllerAxisSettings& settings, Clock* clock)
-    : controller_(std::move(controller)), settings_(settings), clock_(clock) {}
+    : controller_(std::move(controller)),
+      settings_(settings),
+      clock_(clock),
+      identity_(controller_->Identity()) {}
 
 // Nobody is left to hear how it went.
 ControllerAxis::~ControllerAxis() { (void)Stop(); }
 
 Result<ControllerStatus> ControllerAxis::Status() {
-  const Result<ControllerStatus> status = controller_->Status();
-  return status ? status : Fail(status.error().code, status.error().message);
+  Result<ControllerStatus> status = controller_->Status();
+  if (!status) return Fail(status.error().code, status.error().message);
+  if (!status->fault.empty()) {
+    doubt_ = status->fault;
+  } else if (!status->enabled) {
+    doubt_ = "the motor was without power";
+  }
+  if (!doubt_.empty()) status->homed = false;
+  return status;
 }
 
 Result<AxisState> ControllerAxis::State() {
@@ -48,14 +82,20 @@ Result<AxisState> ControllerAxis::State() {
 }
 
 Result<void> ControllerAxis::Home(std::stop_token stop) {
+  const Result<ControllerStatus> before = Status();
+  if (!before) return before.error();
+  if (!before->enabled) {
+    if (const auto enabled = Named(controller_->Enable()); !enabled) return enabled;
+  }
   if (const auto started = Named(controller_->StartHoming()); !started) return started;
-  const Result<ControllerStatus> rest = WaitForRest(settings_.home_limit, stop, "homing");
+  doubt_.clear();
+  const Result<ControllerStatus> rest = WaitForRest(settings_.home_limit, stop, Doing::kHoming);
   if (!rest) return rest.error();
   if (!rest->homed) return Fail(ErrorCode::kProtocol, "has no reference after homing");
   return {};
 }
 
-Result<void> ControllerAxis::StartMove(double position) {
+Result<Seconds> ControllerAxis::StartMove(double position) {
   const AxisLimits& limits = settings_.limits;
   if (!(position >= limits.min_position && position <= limits.max_position)) {
     return Fail(ErrorCode::kRefused,
@@ -65,51 +105,78 @@ Result<void> ControllerAxis::StartMove(double position) {
   }
   const Result<ControllerStatus> status = Status();
   if (!status) return status.error();
-  if (!status->homed) return Fail(ErrorCode::kRefused, "is not homed");
+  if (!status->homed) {
+    return Fail(ErrorCode::kRefused,
+                doubt_.empty() ? "is not homed" : fmt::format("is not homed since: {}", doubt_));
+  }
   const auto started = Named(controller_->StartMove(settings_.scale.ToUnits(position)));
-  if (started) target_ = position;
-  return started;
+  if (!started) return started.error();
+  target_ = position;
+  return TimeOfMove(std::abs(position - settings_.scale.ToAngle(status->position)), limits);
 }
 
 Result<void> ControllerAxis::WaitUntilStill(Seconds limit, std::stop_token stop) {
-  const Result<ControllerStatus> rest = WaitForRest(limit, stop, "a move");
+  const Result<ControllerStatus> rest = WaitForRest(limit, stop, Doing::kMove);
   if (!rest) return rest.error();
   if (!rest->homed) return Fail(ErrorCode::kProtocol, "lost its reference on the way");
   const double position = settings_.scale.ToAngle(rest->position);
-  if (std::abs(position - target_) <= settings_.limits.position_tolerance) return {};
-  return Fail(ErrorCode::kProtocol, fmt::format("stands at {:.6g} deg instead of {:.6g} deg",
-                                                DegFromRad(position), DegFromRad(target_)));
+  const double miss = std::abs(position - target_) / settings_.limits.position_tolerance;
+  if (miss <= 1) return {};
+  return Fail(miss <= kNearMiss ? ErrorCode::kTimeout : ErrorCode::kProtocol,
+              fmt::format("stands at {:.6g} deg instead of {:.6g} deg", DegFromRad(position),
+                          DegFromRad(target_)));
 }
 
 Result<ControllerStatus> ControllerAxis::WaitForRest(Seconds limit, std::stop_token stop,
-                                                     const char* doing) {
+                                                     Doing doing) {
+  const char* const what = doing == Doing::kHoming ? "homing" : "a move";
   const Seconds begin = clock_->Now();
+  StallWatch watch(*clock_, settings_.limits.position_tolerance);
   while (true) {
     const Result<ControllerStatus> status = Status();
     if (!status) return status;
     if (!status->fault.empty()) {
       (void)Stop();
-      return Fail(ErrorCode::kProtocol, fmt::format("{} ended: {}", doing, status->fault));
+      return Fail(ErrorCode::kProtocol, fmt::format("{} ended: {}", what, status->fault));
     }
     if (!status->moving) return status;
     const Seconds left = limit - (clock_->Now() - begin);
     if (stop.stop_requested() || left < kLeast) {
       if (const Result<void> stopped = Stop(); !stopped) return stopped.error();
       if (stop.stop_requested()) {
-        return Fail(ErrorCode::kCancelled, fmt::format("{} was cancelled", doing));
+        return Fail(ErrorCode::kCancelled, fmt::format("{} was cancelled", what));
       }
-      return Fail(ErrorCode::kTimeout, fmt::format("{} took over {:.3g} s", doing, limit.count()));
+      return Fail(ErrorCode::kTimeout, fmt::format("{} took over {:.3g} s", what, limit.count()));
+    }
+    // Controllers need not count while they look for their mark.
+    if (doing == Doing::kMove && watch.Stands(settings_.scale.ToAngle(status->position))) {
+      doubt_ = "it stalled";
+      (void)Stop();
+      return Fail(
+          ErrorCode::kProtocol,
+          fmt::format("stalled at {:.6g} deg on its way to {:.6g} deg",
+                      DegFromRad(settings_.scale.ToAngle(status->position)), DegFromRad(target_)));
     }
     clock_->SleepFor(std::min(kPoll, left), stop);
   }
 }
 
 Result<void> ControllerAxis::Stop() {
-  if (const auto started = Named(controller_->StartStop()); !started) return started;
+  const auto started = Named(controller_->StartStop());
+  return started ? WaitForStop() : started;
+}
+
+Result<void> ControllerAxis::EmergencyStop() {
+  const auto started = Named(controller_->StartEmergencyStop());
+  return started ? WaitForStop() : started;
+}
+
+// In any thread: so not by Status(), which remembers.
+Result<void> ControllerAxis::WaitForStop() {
   const Seconds begin = clock_->Now();
   while (clock_->Now() - begin < kStopLimit) {
-    const Result<ControllerStatus> status = Status();
-    if (!status) return status.error();
+    const Result<ControllerStatus> status = controller_->Status();
+    if (!status) return Fail(status.error().code, status.error().message);
     if (!status->moving) return {};
     clock_->SleepFor(kPoll);
   }

@@ -15,6 +15,7 @@ struct ControllerStatus {
   double position = 0;
   bool homed = false;
   bool moving = false;  // homing and braking, too
+  bool enabled = true;  // the motor has power
   std::string fault;    // what ended a move, or keeps it from beginning; empty: nothing
 };
 
@@ -23,10 +24,15 @@ struct ControllerStatus {
 class MotionController {
  public:
   virtual ~MotionController() = default;
+  // Maker, model, serial number, firmware, and the settings made, in one line.
+  virtual std::string Identity() const = 0;
   virtual Result<ControllerStatus> Status() = 0;
+  virtual Result<void> Enable() = 0;  // gives the motor power
   virtual Result<void> StartHoming() = 0;
   virtual Result<void> StartMove(double position) = 0;
-  virtual Result<void> StartStop() = 0;  // any thread
+  // Braking; any thread.
+  virtual Result<void> StartStop() = 0;
+  virtual Result<void> StartEmergencyStop() = 0;
 };
 
 // Between the mechanism's angle and a controller's unit.
@@ -53,10 +59,14 @@ std::string OutsideOf(const AxisLimits& limits, const AxisScale& scale, double l
 
 // Keeps the promises of Axis on any MotionController:
 //
-//   - Before each move the controller is asked whether it still has a reference.
+//   - Before each move the controller is asked whether it still has a reference. After a fault, or
+//     once the motor was seen without power, only homing proves it.
 //   - A move has ended when the controller says so and the position read back is within tolerance.
-//   - A fault on the way stops the axis, as do a time-out and cancelling.
+//     A near miss is kTimeout, which may be repeated; elsewhere somebody has stopped it.
+//   - A fault on the way stops the axis, as do a time-out, cancelling, and a position that stays
+//     the same for two seconds while the controller says that it moves.
 //   - A stop is no fault, and waits until the motor stands.
+//   - Only homing gives the motor power.
 class ControllerAxis final : public Axis {
  public:
   // `clock` outlives the axis.
@@ -66,23 +76,31 @@ class ControllerAxis final : public Axis {
 
   const std::string& name() const override { return settings_.name; }
   const AxisLimits& limits() const override { return settings_.limits; }
+  const std::string& identity() const override { return identity_; }
   Result<AxisState> State() override;
   Result<void> Home(std::stop_token stop) override;
-  Result<void> StartMove(double position) override;
+  Result<Seconds> StartMove(double position) override;
   Result<void> WaitUntilStill(Seconds limit, std::stop_token stop) override;
   Result<void> Stop() override;
+  Result<void> EmergencyStop() override;
 
  private:
+  enum class Doing { kHoming, kMove };
+
+  // `homed` only if nothing has happened since that could have cost the reference.
   Result<ControllerStatus> Status();
   // Until the motor stands, or a reason why not; then it has been stopped.
-  Result<ControllerStatus> WaitForRest(Seconds limit, std::stop_token stop, const char* doing);
+  Result<ControllerStatus> WaitForRest(Seconds limit, std::stop_token stop, Doing doing);
+  Result<void> WaitForStop();
   Result<void> Named(const Result<void>& result) const;
   Error Fail(ErrorCode code, const std::string& what) const;
 
   const std::unique_ptr<MotionController> controller_;
   const ControllerAxisSettings settings_;
   Clock* const clock_;
+  const std::string identity_;
   double target_ = 0;  // rad, of the last move
+  std::string doubt_;  // why the reference needs proof; empty: it does not
 };
 
 }  // namespace gonio

@@ -18,6 +18,8 @@ class Light {
  public:
   virtual ~Light() = default;
   virtual const std::string& name() const = 0;
+  // What the device said it is when it was opened, and the settings it was given, on one line.
+  virtual const std::string& identity() const = 0;
   // Fraction of full power, 0 = off.
   virtual Result<void> SetLevel(double level) = 0;
   virtual Result<double> Level() = 0;
@@ -28,6 +30,8 @@ class Monitor {
  public:
   virtual ~Monitor() = default;
   virtual const std::string& name() const = 0;
+  // What the device said it is when it was opened, and the settings it was given, on one line.
+  virtual const std::string& identity() const = 0;
   // Optical power relative to the reading at calibration (1 = as then); noise included.
   virtual Result<double> Read() = 0;
 };

@@ -20,19 +20,25 @@ class Controller final : public MotionController {
  public:
   Controller(std::shared_ptr<Line> line, int address) : line_(std::move(line)), address_(address) {}
 
+  std::string Identity() const override { return identity_; }
   Result<ControllerStatus> Status() override;
+  Result<void> Enable() override { return line_->Command(address_, "MM1"); }
   Result<void> StartHoming() override;
   Result<void> StartMove(double position) override {
     return line_->Command(address_, fmt::format("PA{:.6f}", position));
   }
   Result<void> StartStop() override;
+  // It knows one way of stopping.
+  Result<void> StartEmergencyStop() override { return StartStop(); }
 
+  Result<void> Identify();
   Result<double> Number(const std::string& command, const std::string& argument);
   Result<void> Set(const std::string& setting, double value);
 
  private:
   const std::shared_ptr<Line> line_;
   const int address_;
+  std::string identity_;
 };
 
 Result<ControllerStatus> Controller::Status() {
@@ -43,14 +49,13 @@ Result<ControllerStatus> Controller::Status() {
   const Result<smc100::Status> status = DecodeStatus(*answer);
   if (!status) return status.error();
   const State state = status->state;
-  ControllerStatus result{
+  return ControllerStatus{
       .position = *position,
       .homed = state != State::kNotReferenced && state != State::kConfiguration &&
                state != State::kHoming,
       .moving = state == State::kHoming || state == State::kMoving || state == State::kJogging,
+      .enabled = state != State::kDisabled,
       .fault = TextOf(status->errors)};
-  if (result.fault.empty() && state == State::kDisabled) result.fault = "the motor is disabled";
-  return result;
 }
 
 // One that has a reference refuses to look for it again.
@@ -65,6 +70,13 @@ Result<void> Controller::StartHoming() {
 Result<void> Controller::StartStop() {
   const Result<void> told = line_->Command(address_, "ST");
   return told || told.error().code != ErrorCode::kRefused ? told : Result<void>();
+}
+
+Result<void> Controller::Identify() {
+  const Result<std::string> version = line_->Query(address_, "VE", "");
+  if (!version) return version.error();
+  identity_ = fmt::format("Newport{}, address {}", *version, address_);
+  return {};
 }
 
 Result<double> Controller::Number(const std::string& command, const std::string& argument) {
@@ -85,6 +97,7 @@ Result<void> Controller::Set(const std::string& setting, double value) {
 }
 
 Result<void> Prepare(Controller& controller, const ControllerAxisSettings& settings) {
+  if (const auto known = controller.Identify(); !known) return known;
   const Result<double> least = controller.Number("SL", "?");
   if (!least) return least.error();
   const Result<double> most = controller.Number("SR", "?");

@@ -22,6 +22,10 @@ bool LostReference(std::string_view warnings) {
          warnings.find("WH") != std::string_view::npos;
 }
 
+bool WithoutPower(const std::string& warning) {
+  return warning == "FO" || warning == "FD" || warning == "FH" || warning == "FV";
+}
+
 // Flags that end a move short of its target. A stop we asked for (NI) is none.
 bool IsFault(const std::string& warning) {
   return !warning.empty() && (warning.front() == 'F' || warning == "WL");
@@ -32,13 +36,17 @@ class Controller final : public MotionController {
   Controller(std::shared_ptr<Chain> chain, const Address& address)
       : chain_(std::move(chain)), address_(address) {}
 
+  std::string Identity() const override { return identity_; }
   Result<ControllerStatus> Status() override;
+  Result<void> Enable() override { return Tell("driver enable"); }
   Result<void> StartHoming() override { return Tell("home"); }
   Result<void> StartMove(double position) override {
     return Tell(fmt::format("move abs {}", std::llround(position)));
   }
   Result<void> StartStop() override { return Tell("stop"); }
+  Result<void> StartEmergencyStop() override { return Tell("estop"); }
 
+  Result<void> Identify();
   Result<double> Setting(const std::string& setting);
   Result<void> Set(const std::string& setting, double value);
 
@@ -53,6 +61,7 @@ class Controller final : public MotionController {
 
   const std::shared_ptr<Chain> chain_;
   const Address address_;
+  std::string identity_;
 };
 
 Result<ControllerStatus> Controller::Status() {
@@ -64,7 +73,11 @@ Result<ControllerStatus> Controller::Status() {
                           .homed = !LostReference(reply->warning),
                           .moving = reply->busy,
                           .fault = {}};
-  if (IsFault(reply->warning)) status.fault = "fault " + reply->warning;
+  if (WithoutPower(reply->warning)) {
+    status.enabled = false;
+  } else if (IsFault(reply->warning)) {
+    status.fault = "fault " + reply->warning;
+  }
   // A reply shows the gravest flag only; behind it there may be a lost reference.
   if (status.homed && !reply->warning.empty()) {
     const Result<Message> all = Ask("warnings");
@@ -72,6 +85,21 @@ Result<ControllerStatus> Controller::Status() {
     status.homed = !LostReference(all->data);
   }
   return status;
+}
+
+// Of the device, which serves all of its axes.
+Result<void> Controller::Identify() {
+  std::string values[3];
+  const char* const settings[3] = {"deviceid", "system.serial", "version"};
+  for (int i = 0; i < 3; ++i) {
+    const Result<Message> reply =
+        chain_->Query(address_.device, 0, fmt::format("get {}", settings[i]));
+    if (!reply) return reply.error();
+    values[i] = reply->data;
+  }
+  identity_ = fmt::format("Zaber device {}, serial {}, firmware {}, axis {}", values[0], values[1],
+                          values[2], address_.axis);
+  return {};
 }
 
 Result<double> Controller::Setting(const std::string& setting) {
@@ -97,6 +125,7 @@ Result<void> Controller::Set(const std::string& setting, double value) {
 
 // Scale, limits and speeds: what has to be right before anything moves.
 Result<void> Prepare(Controller& controller, ControllerAxisSettings* settings) {
+  if (const auto known = controller.Identify(); !known) return known;
   const Result<double> turn = controller.Setting("limit.cycle.dist");
   if (!turn) return turn.error();
   if (!(*turn > 0)) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "drivers/move_time.h"
 
 namespace gonio {
 namespace {
@@ -92,8 +93,8 @@ Result<void> SimAxis::Home(std::stop_token stop) {
   return {};
 }
 
-Result<void> SimAxis::StartMove(double position) {
-  if (auto link = CheckLink(); !link) return link;
+Result<Seconds> SimAxis::StartMove(double position) {
+  if (auto link = CheckLink(); !link) return link.error();
   {
     const std::lock_guard lock(mutex_);
     if (!homed_) return Fail(ErrorCode::kRefused, "move: not homed");
@@ -107,9 +108,10 @@ Result<void> SimAxis::StartMove(double position) {
   }
   // A controller that reads its target on the encoder leaves the motor alone.
   const double same = options_.encoder_resolution / 2;
-  if (!motor_->Moving() && std::abs(Encoder() - position) <= same) return {};
+  const double way = std::abs(Encoder() - position);
+  if (!motor_->Moving() && way <= same) return Seconds(0);
   motor_->Start(position + options_.repeatability * random_.Normal());
-  return {};
+  return TimeOfMove(way, limits_);
 }
 
 Result<void> SimAxis::WaitUntilStill(Seconds limit, std::stop_token stop) {

@@ -29,11 +29,13 @@ class SimAxis final : public Axis {
 
   const std::string& name() const override { return name_; }
   const AxisLimits& limits() const override { return limits_; }
+  const std::string& identity() const override { return identity_; }
   Result<AxisState> State() override;
   Result<void> Home(std::stop_token stop) override;
-  Result<void> StartMove(double position) override;
+  Result<Seconds> StartMove(double position) override;
   Result<void> WaitUntilStill(Seconds limit, std::stop_token stop) override;
   Result<void> Stop() override;
+  Result<void> EmergencyStop() override { return Stop(); }
 
   // Faults. Any thread.
   void PullPlug();   // the link is gone; the motor brakes
@@ -46,6 +48,7 @@ class SimAxis final : public Axis {
   Result<void> SleepThroughMove(Seconds limit, const char* operation, std::stop_token stop);
 
   const std::string name_;
+  const std::string identity_ = "simulated";
   const AxisLimits limits_;
   const SimAxisOptions options_;
   const std::shared_ptr<SimMotor> motor_;

@@ -33,6 +33,7 @@ class SimCamera final : public Camera {
             SimMotors motors, std::shared_ptr<const SimLamp> lamp, Clock& clock, Random random);
 
   const std::string& name() const override { return name_; }
+  const std::string& identity() const override { return identity_; }
   const CameraInfo& info() const override { return info_; }
   Result<Frame> Capture(Seconds exposure, std::stop_token stop) override;
 
@@ -47,6 +48,7 @@ class SimCamera final : public Camera {
   std::uint16_t Count(double signal, double dark);
 
   const std::string name_;
+  const std::string identity_ = "simulated";
   const CameraInfo info_;
   const SimConfig truth_;
   const Brdf& sample_;

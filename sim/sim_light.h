@@ -34,11 +34,13 @@ class SimLight final : public Light {
   SimLight(std::string name, std::shared_ptr<SimLamp> lamp);
   ~SimLight() override;
   const std::string& name() const override { return name_; }
+  const std::string& identity() const override { return identity_; }
   Result<void> SetLevel(double level) override;
   Result<double> Level() override;
 
  private:
   const std::string name_;
+  const std::string identity_ = "simulated";
   const std::shared_ptr<SimLamp> lamp_;
 };
 
@@ -48,10 +50,12 @@ class SimMonitor final : public Monitor {
   SimMonitor(std::string name, std::shared_ptr<const SimLamp> lamp, double noise,
              const Clock& clock, Random random);
   const std::string& name() const override { return name_; }
+  const std::string& identity() const override { return identity_; }
   Result<double> Read() override;
 
  private:
   const std::string name_;
+  const std::string identity_ = "simulated";
   const std::shared_ptr<const SimLamp> lamp_;
   const double noise_;
   const Clock& clock_;

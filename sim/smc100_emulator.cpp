@@ -58,6 +58,7 @@ int Smc100Emulator::State() {
     counter_zero_ = 0;
   }
   if (!referenced_) return 0x0a;
+  if (disabled_) return 0x3d;
   if (motor_.Moving()) return 0x28;
   return moved_ ? 0x33 : 0x32;
 }
@@ -70,6 +71,7 @@ std::string Smc100Emulator::Obey(const std::string& command, const std::string& 
   if (command == "TS") return fmt::format("{:04X}{:02X}", errors_, state);
   if (command == "TP") return fmt::format("{:.5f}", DegFromRad(motor_.Position() - counter_zero_));
   if (command == "TE") return std::string(1, std::exchange(error_, '@'));
+  if (command == "VE") return " SMC_CC_1.0.1 ";
   if (command == "SL" && asked) return fmt::format("{}", stage_.least_deg);
   if (command == "SR" && asked) return fmt::format("{}", stage_.most_deg);
   if (command == "VA" && asked) return fmt::format("{}", velocity_);
@@ -88,8 +90,12 @@ std::string Smc100Emulator::Obey(const std::string& command, const std::string& 
       errors_ = 0;
       motor_.Start(0, 0.25);
     }
+  } else if (command == "MM") {
+    disabled_ = number != 1;
   } else if (command == "PA") {
-    if (state == 0x0a || state == 0x1e) {
+    if (state == 0x3d) {
+      error_ = 'J';
+    } else if (state == 0x0a || state == 0x1e) {
       error_ = state == 0x0a ? 'H' : 'L';
     } else if (number < stage_.least_deg || number > stage_.most_deg) {
       error_ = 'N';
@@ -119,6 +125,12 @@ void Smc100Emulator::Reset() {
   motor_.Stop();
   referenced_ = homing_ = moved_ = false;
   counter_zero_ = motor_.Position();
+}
+
+void Smc100Emulator::CutMotorPower() {
+  const std::lock_guard lock(mutex_);
+  motor_.Stop();
+  disabled_ = true;
 }
 
 void Smc100Emulator::Fail(unsigned error_bits) {

@@ -36,6 +36,7 @@ class Smc100Emulator {
 
   // Faults.
   void Reset();                    // power fails and comes back
+  void CutMotorPower();            // stands, DISABLE until told MM1
   void Fail(unsigned error_bits);  // stands; the positioner reports these errors until homed
 
  private:
@@ -51,7 +52,8 @@ class Smc100Emulator {
   std::string pending_;
   bool referenced_ = false;
   bool homing_ = false;
-  bool moved_ = false;        // since it was homed
+  bool moved_ = false;  // since it was homed
+  bool disabled_ = false;
   double counter_zero_;       // rad, where the controller counts from
   double velocity_ = 20;      // deg/s
   double acceleration_ = 80;  // deg/s^2

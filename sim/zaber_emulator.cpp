@@ -36,6 +36,7 @@ struct ZaberEmulator::Axis {
 
   long Counter() const { return std::lround((motor.Position() - counter_zero) * steps_per_radian); }
   std::string Flag() const {
+    if (disabled) return "FO";
     if (stalled) return "FS";
     if (!referenced && !Homing()) return "WR";
     return interrupted ? "NI" : "--";
@@ -64,6 +65,7 @@ struct ZaberEmulator::Axis {
   bool referenced = false;
   bool homing = false;
   bool stalled = false;
+  bool disabled = false;
   bool interrupted = false;
 };
 
@@ -118,6 +120,14 @@ std::string ZaberEmulator::Do(std::string_view data, bool* accepted) {
   if (StartsWith(data, "get ")) return Get(data.substr(4), accepted);
   if (StartsWith(data, "set ")) return Set(data.substr(4), accepted);
   if (StartsWith(data, "move ")) return Move(data.substr(5), accepted);
+  if (data == "driver enable") {
+    axis_->disabled = false;
+    return "0";
+  }
+  if (data == "home" && axis_->disabled) {
+    *accepted = false;
+    return "DRIVERDISABLED";
+  }
   if (data == "home") {
     axis_->Halt();
     axis_->stalled = axis_->interrupted = axis_->referenced = false;
@@ -125,12 +135,13 @@ std::string ZaberEmulator::Do(std::string_view data, bool* accepted) {
     axis_->motor.Start(0, 0.25);
     return "0";
   }
-  if (data == "stop") {
+  if (data == "stop" || data == "estop") {
     axis_->Halt();
     return "0";
   }
   if (data == "warnings") {
     std::string flags;
+    if (axis_->disabled) flags += " FO";
     if (axis_->stalled) flags += " FS";
     if (!axis_->referenced) flags += " WR";
     if (axis_->interrupted) flags += " NI";
@@ -147,6 +158,9 @@ std::string ZaberEmulator::Get(std::string_view setting, bool* accepted) const {
   if (setting == "limit.cycle.dist") return std::to_string(stage_.steps_per_turn);
   if (setting == "maxspeed") return std::to_string(std::lround(axis_->speed * 1.6384));
   if (setting == "accel") return std::to_string(axis_->accel_data);
+  if (setting == "deviceid") return "50081";
+  if (setting == "system.serial") return "67890";
+  if (setting == "version") return "7.38";
   *accepted = false;
   return "BADCOMMAND";
 }
@@ -174,6 +188,10 @@ std::string ZaberEmulator::Move(std::string_view rest, bool* accepted) {
     *accepted = false;
     return "BADDATA";
   }
+  if (axis_->disabled) {
+    *accepted = false;
+    return "DRIVERDISABLED";
+  }
   axis_->Halt();
   axis_->stalled = axis_->interrupted = false;
   axis_->motor.Start(axis_->counter_zero + static_cast<double>(target) / axis_->steps_per_radian,
@@ -194,6 +212,12 @@ void ZaberEmulator::Stall() {
   const std::lock_guard lock(mutex_);
   axis_->Halt();
   axis_->stalled = true;
+}
+
+void ZaberEmulator::CutMotorPower() {
+  const std::lock_guard lock(mutex_);
+  axis_->Halt();
+  axis_->disabled = true;
 }
 
 }  // namespace gonio

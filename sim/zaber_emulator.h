@@ -38,8 +38,9 @@ class ZaberEmulator {
   double Shaft() const;
 
   // Faults.
-  void Reset();  // power fails and comes back: stands, and has no reference
-  void Stall();  // stands, flag FS until the next move
+  void Reset();          // power fails and comes back: stands, and has no reference
+  void Stall();          // stands, flag FS until the next move
+  void CutMotorPower();  // stands, its driver disabled (FO) until enabled
 
  private:
   struct Axis;

@@ -77,10 +77,10 @@ SessionInfo Describe(const RunOptions& options, const Setup& setup, const Device
   if (fs::is_regular_file(setup.material_path)) {
     info.material_sha256 = Sha256OfFile(setup.material_path);
   }
-  for (int i = 0; i < kAxes; ++i) info.devices[kAxisNames[i]] = devices.axes[i]->name();
-  info.devices["camera"] = devices.camera->name();
-  info.devices["light"] = devices.light->name();
-  info.devices["monitor"] = devices.monitor->name();
+  for (int i = 0; i < kAxes; ++i) info.devices[kAxisNames[i]] = devices.axes[i]->identity();
+  info.devices["camera"] = devices.camera->identity();
+  info.devices["light"] = devices.light->identity();
+  info.devices["monitor"] = devices.monitor->identity();
   return info;
 }
 

@@ -261,11 +261,15 @@ TEST(Kinematics, WaitsForTheArmWhoseMovesCostLess) {
   EXPECT_EQ((*angles)[kLightAzimuth], from[kLightAzimuth]);
 }
 
-TEST(TrapezoidTime, FollowsTheClosedForms) {
-  EXPECT_EQ(TrapezoidTime(0, 2, 4).count(), 0);
-  EXPECT_DOUBLE_EQ(TrapezoidTime(0.25, 2, 4).count(), 0.5);  // triangle: 2 sqrt(d / a)
-  EXPECT_DOUBLE_EQ(TrapezoidTime(1, 2, 4).count(), 1);       // both forms meet
-  EXPECT_DOUBLE_EQ(TrapezoidTime(10, 2, 4).count(), 5.5);    // d / w + w / a
+TEST(Kinematics, LeavesRoomForTheApproach) {
+  RigConfig rig = DefaultRig();
+  const DirectionPair highest =
+      Kinematics(rig).Forward({0, rig.axes[kLightElevation].max_position, kPi / 2, kPi / 4});
+  EXPECT_TRUE(Kinematics(rig).Reachable(highest));
+  rig.axes[kLightElevation].approach = RadFromDeg(1);
+  EXPECT_TRUE(Kinematics(rig).Reachable(highest));
+  rig.axes[kLightElevation].approach = RadFromDeg(-1);
+  EXPECT_FALSE(Kinematics(rig).Reachable(highest));
 }
 
 }  // namespace

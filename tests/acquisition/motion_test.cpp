@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <deque>
 
+#include "drivers/move_time.h"
 #include "tests/acquisition/simulated_rig.h"
 
 namespace gonio {
@@ -22,6 +23,7 @@ class ScriptedAxis final : public Axis {
 
   const std::string& name() const override { return name_; }
   const AxisLimits& limits() const override { return limits_; }
+  const std::string& identity() const override { return name_; }
   Result<AxisState> State() override {
     return AxisState{.position = position_, .homed = homed, .moving = false};
   }
@@ -29,14 +31,16 @@ class ScriptedAxis final : public Axis {
     journal_.push_back("home " + name_);
     return {};
   }
-  Result<void> StartMove(double position) override {
+  Result<Seconds> StartMove(double position) override {
     journal_.push_back("start " + name_);
+    const Seconds expected = TimeOfMove(std::abs(position - position_), limits_);
+    targets.push_back(position);
     position_ = position;
     if (!misses.empty()) {
       position_ += misses.front();
       misses.pop_front();
     }
-    return {};
+    return expected;
   }
   Result<void> WaitUntilStill(Seconds limit, std::stop_token) override {
     journal_.push_back("wait " + name_);
@@ -50,6 +54,9 @@ class ScriptedAxis final : public Axis {
     return {};
   }
 
+  Result<void> EmergencyStop() override { return Stop(); }
+
+  std::vector<double> targets;
   std::deque<double> misses;  // rad, added to the next moves
   std::optional<Error> wait_error;
   std::optional<Error> stop_error;
@@ -97,6 +104,21 @@ TEST_F(MoveAllTest, StartsAllAxesBeforeItWaitsForAny) {
                           "wait camera_azimuth", "wait camera_elevation"));
   EXPECT_EQ(arrival->readback, target_);
   EXPECT_EQ(arrival->retries, 0);
+}
+
+// Both arms from above: one of them has to turn, below its target.
+TEST_F(MoveAllTest, EndsEveryMoveInTheSameDirection) {
+  const double approach = RadFromDeg(2);
+  for (AxisLimits& limits : rig_.axes) limits.approach = approach;
+  ASSERT_TRUE(Move().ok());  // from 0.5 rad, 28.6 deg
+  EXPECT_THAT(axes_[kLightAzimuth]->targets,
+              ElementsAre(target_[kLightAzimuth] - approach, target_[kLightAzimuth]));
+  EXPECT_THAT(axes_[kCameraElevation]->targets, ElementsAre(target_[kCameraElevation]));
+  // All turn before any goes on.
+  EXPECT_EQ(journal_[4], "wait light_azimuth");
+  EXPECT_THAT(std::vector(journal_.begin() + 8, journal_.end()),
+              ElementsAre("start light_azimuth", "start light_elevation", "start camera_azimuth",
+                          "wait light_azimuth", "wait light_elevation", "wait camera_azimuth"));
 }
 
 TEST_F(MoveAllTest, SettlesAfterTheLastAxisIsStill) {

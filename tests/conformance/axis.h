@@ -107,6 +107,18 @@ TEST_P(AxisConformance, StopsFromAnyThreadAnyNumberOfTimes) {
   EXPECT_TRUE(axis().Stop().ok());
 }
 
+// Promise 3. Example failure is an emergency stop that waits for the arm to slow down nicely.
+TEST_P(AxisConformance, StopsInAnEmergency) {
+  EXPECT_TRUE(axis().EmergencyStop().ok());
+  Home();
+  StartLongMove();
+  Result<void> stopped = Error{ErrorCode::kTimeout, "not called"};
+  std::thread([&] { stopped = axis().EmergencyStop(); }).join();
+  EXPECT_TRUE(stopped.ok()) << stopped.error().message;
+  EXPECT_FALSE(axis().State()->moving);
+  EXPECT_FALSE(Turns());
+}
+
 // Promise 4. Example failure is a driver that reopens its port, and moves an axis that has lost
 // its reference.
 TEST_P(AxisConformance, StaysDisconnected) {
@@ -118,6 +130,7 @@ TEST_P(AxisConformance, StaysDisconnected) {
     EXPECT_EQ(axis().StartMove(subject_.Middle()).error().code, ErrorCode::kDisconnected);
     EXPECT_EQ(axis().WaitUntilStill(Seconds(1), {}).error().code, ErrorCode::kDisconnected);
     EXPECT_EQ(axis().Stop().error().code, ErrorCode::kDisconnected);
+    EXPECT_EQ(axis().EmergencyStop().error().code, ErrorCode::kDisconnected);
   }
 }
 
@@ -162,6 +175,12 @@ TEST_P(AxisConformance, CancelledHomingLeavesItNotHomed) {
   EXPECT_EQ(homed.error().code, ErrorCode::kCancelled);
   EXPECT_FALSE(axis().State()->homed);
   EXPECT_FALSE(Turns());
+}
+
+// Example failure is a session whose record does not say which stage it was measured with.
+TEST_P(AxisConformance, SaysWhatItIs) {
+  EXPECT_FALSE(axis().identity().empty());
+  EXPECT_EQ(axis().identity().find('\n'), std::string::npos);
 }
 
 // State(). Example failure is an axis that is `moving` only once somebody waits for it.

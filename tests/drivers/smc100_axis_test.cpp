@@ -49,7 +49,7 @@ TEST_F(Smc100Faults, RefusesWhatTheControllerCannotDo) {
                                   ": address 1 refused VA114.591559: parameter missing or out of "
                                   "range");
   EXPECT_EQ(WhyNot(ArmSettings(), 2),
-            "arm: " + server_.path() + ": no answer within 0.5 s, address 2, asked SL");
+            "arm: " + server_.path() + ": no answer within 0.5 s, address 2, asked VE");
   EXPECT_EQ(stage_.Shaft(), RadFromDeg(Smc100Stage{}.switched_on_at_deg));
 }
 

@@ -24,6 +24,7 @@ struct WireSubject {
   std::shared_ptr<ManualClock> clock = std::make_shared<ManualClock>();
   std::function<double()> mark_to_shaft;  // rad
   std::function<void()> lose_power;       // and have it again
+  std::function<void()> cut_motor_power;
   std::function<void()> stop_by_hand;
   std::shared_ptr<PtyServer> line;
   std::unique_ptr<Axis> axis;
@@ -36,6 +37,7 @@ WireSubject Subject(bool turned, auto stage_settings, const char* stop_command, 
   auto stage = std::make_shared<Emulator>(stage_settings, subject.clock);
   subject.mark_to_shaft = [stage] { return stage->Shaft(); };
   subject.lose_power = [stage] { stage->Reset(); };
+  subject.cut_motor_power = [stage] { stage->CutMotorPower(); };
   subject.stop_by_hand = [stage, stop_command] { stage->Receive(stop_command); };
   subject.line = std::make_shared<PtyServer>(
       [stage](std::string_view bytes) { return stage->Receive(bytes); });
@@ -128,6 +130,19 @@ TEST_P(WireFaults, AResetLosesTheReference) {
   EXPECT_EQ(still.error().message, "arm: lost its reference on the way");
   EXPECT_FALSE(axis().State()->homed);
   EXPECT_EQ(axis().StartMove(1).error().message, "arm: is not homed");
+  EXPECT_TRUE(axis().Home({}).ok());
+  EXPECT_TRUE(axis().StartMove(1).ok());
+}
+
+// As an emergency stop does. Example failure is a driver that gives it back by itself.
+TEST_P(WireFaults, WithoutMotorPowerItIsNotHomedUntilItIsHomedAgain) {
+  StartMoving();
+  subject_.cut_motor_power();
+  const auto still = axis().WaitUntilStill(Seconds(60), {});
+  ASSERT_FALSE(still.ok());
+  EXPECT_EQ(still.error().code, ErrorCode::kProtocol);
+  EXPECT_EQ(axis().StartMove(1).error().message,
+            "arm: is not homed since: the motor was without power");
   EXPECT_TRUE(axis().Home({}).ok());
   EXPECT_TRUE(axis().StartMove(1).ok());
 }

@@ -65,6 +65,7 @@ class WatchedCamera final : public Camera {
       : camera_(std::move(camera)), motors_(std::move(motors)), clock_(clock) {}
 
   const std::string& name() const override { return camera_->name(); }
+  const std::string& identity() const override { return camera_->identity(); }
   const CameraInfo& info() const override { return camera_->info(); }
   Result<Frame> Capture(Seconds exposure, std::stop_token stop) override {
     ++captures;
