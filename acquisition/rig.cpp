@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "core/units.h"
 
 namespace gonio {
@@ -17,12 +19,20 @@ void ReadSpan(const ConfigNode& node, Range allowed, AxisLimits& limits) {
   limits.max_position = RadFromDeg(max);
 }
 
+// Targets stay so far inside the limits that the way there does, too.
+double ReadApproach(const ConfigNode& node, const AxisLimits& limits) {
+  const double approach = RadFromDeg(node.NumberOr("approach_deg", 0, Range::Between(-20, 20)));
+  if (std::abs(approach) < limits.max_position - limits.min_position) return approach;
+  node.Fail("approach_deg", "leaves no room between min_deg and max_deg");
+}
+
 AxisLimits ReadAxis(const ConfigNode& node, Range allowed) {
   AxisLimits limits;
   ReadSpan(node, allowed, limits);
   limits.max_speed = RadFromDeg(node.Number("max_speed_deg_s", Range::Positive()));
   limits.acceleration = RadFromDeg(node.Number("acceleration_deg_s2", Range::Positive()));
   limits.position_tolerance = RadFromDeg(node.Number("tolerance_deg", Range::Positive()));
+  limits.approach = ReadApproach(node, limits);
   limits.move_overhead = Seconds(node.NumberOr("move_overhead_s", 0, Range::NonNegative()));
   return limits;
 }
@@ -96,13 +106,14 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   root.Integer("version", 1, 1);
   rig.name = root.Text("name");
   rig.text = std::move(text);
-  rig.simulated = root.Choice("kind", {"simulated"}) == "simulated";
+  rig.simulated = root.Choice("kind", {"simulated", "real"}) == "simulated";
   rig.geometry = ReadGeometry(root.Map("geometry"));
   const ConfigNode axes = root.Map("axes");
   for (int i = 0; i < kAxes; ++i) {
     const bool azimuth = i == kLightAzimuth || i == kCameraAzimuth;
-    rig.axes[i] = ReadAxis(axes.Map(kAxisNames[i]),
-                           azimuth ? Range::Between(-360, 360) : Range::Between(0, 90));
+    const ConfigNode axis = axes.Map(kAxisNames[i]);
+    rig.axes[i] = ReadAxis(axis, azimuth ? Range::Between(-360, 360) : Range::Between(0, 90));
+    if (!rig.simulated) rig.axis_devices[i] = ReadAxisDevice(axis.Map("device"));
   }
   rig.motion = ReadMotion(root.Map("motion"));
   // The least is not zero: without light there is nothing to divide by.

@@ -6,12 +6,14 @@
 #include <array>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "brdf/brdf.h"
 #include "core/clock.h"
 #include "core/config.h"
 #include "drivers/axis.h"
+#include "drivers/axis_device.h"
 #include "drivers/camera.h"
 #include "drivers/light.h"
 
@@ -60,9 +62,10 @@ struct RadiometryConfig {
 
 struct RigConfig {
   std::string name;
-  std::string text;  // the file as it was read, frozen into the session
-  bool simulated = false;
+  std::string text;                    // the file as it was read, frozen into the session
+  bool simulated = false;              // no part of it is real
   std::array<AxisLimits, kAxes> axes;  // soft limits
+  std::array<std::optional<AxisDevice>, kAxes> axis_devices;  // empty: simulated
   GeometryConfig geometry;
   MotionConfig motion;
   ExposureConfig exposure;

@@ -21,6 +21,16 @@ class Clock {
   virtual void SleepFor(Seconds duration, std::stop_token stop = {}) = 0;
 };
 
+// The machine's, for real devices. Any thread.
+class SystemClock final : public Clock {
+ public:
+  Seconds Now() const override { return std::chrono::steady_clock::now() - start_; }
+  void SleepFor(Seconds duration, std::stop_token stop = {}) override;
+
+ private:
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
 // Moves only when told to or slept on. Any thread: simulated machines look at it from their own.
 class ManualClock final : public Clock {
  public:

@@ -272,6 +272,12 @@ void ConfigNode::Fail(std::string_view key, const std::string& complaint) const 
   impl_->FailAt(found.IsDefined() ? found.Mark() : impl_->node.Mark(), key, complaint);
 }
 
+std::string ConfigNode::Where() const {
+  const std::string& path = impl_->path;
+  return fmt::format("{}:{}{}{}", impl_->file, impl_->node.Mark().line + 1,
+                     path.empty() ? "" : ": ", path.substr(0, path.find_last_of('.')));
+}
+
 const std::string& ConfigNode::file() const { return impl_->file; }
 
 }  // namespace gonio

@@ -70,6 +70,9 @@ class ConfigNode {
   // Throws ConfigError at this key: for what only the caller can judge.
   [[noreturn]] void Fail(std::string_view key, const std::string& complaint) const;
 
+  // "rig.yaml:14: axes.tilt": where this mapping is, for what turns out to be wrong later.
+  std::string Where() const;
+
   const std::string& file() const;
 
  private:

@@ -8,14 +8,13 @@
 
 namespace gonio {
 
-std::string Quoted(std::string_view bytes) {
-  constexpr std::size_t kMost = 80;
+std::string Quoted(std::string_view bytes, std::size_t most) {
   std::string text = "\"";
-  for (const char c : bytes.substr(0, kMost)) {
+  for (const char c : bytes.substr(0, most)) {
     const auto byte = static_cast<unsigned char>(c);
     text += byte >= 0x20 && byte < 0x7f ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
   }
-  return text + (bytes.size() > kMost ? "...\"" : "\"");
+  return text + (bytes.size() > most ? "...\"" : "\"");
 }
 
 Result<double> NumberIn(std::string_view text, std::string_view what) {

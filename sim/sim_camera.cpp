@@ -19,35 +19,29 @@ constexpr int kSmearSteps = 16;
 }  // namespace
 
 SimCamera::SimCamera(std::string name, const CameraInfo& info, const SimConfig& truth,
-                     const Brdf& sample, SimMotors motors, std::shared_ptr<const SimLamp> lamp,
-                     Clock& clock, Random random)
+                     const Brdf& sample, std::unique_ptr<SimScene> scene, Clock& clock,
+                     Random random)
     : name_(std::move(name)),
       info_(info),
       truth_(truth),
       sample_(sample),
-      motors_(std::move(motors)),
-      lamp_(std::move(lamp)),
+      scene_(std::move(scene)),
       clock_(clock),
       random_(random) {}
 
 DirectionPair SimCamera::Directions(Seconds time) const {
-  const auto direction = [&](int azimuth, int elevation) {
-    return FromSpherical(kPi / 2 - motors_[elevation]->PositionAt(time),
-                         motors_[azimuth]->PositionAt(time));
-  };
-  return {direction(0, 1), direction(2, 3)};
+  const SimArms arms = scene_->ArmsAt(time);
+  return {FromSpherical(kPi / 2 - arms[1], arms[0]), FromSpherical(kPi / 2 - arms[3], arms[2])};
 }
 
 Rgb SimCamera::Radiance(Seconds time) const {
   const DirectionPair pair = Directions(time);
   const Rgb f_r = sample_.Eval(pair).value_or(Rgb::Zero());
-  return f_r.max(0) * std::max(pair.cos_theta_i(), 0.0) * lamp_->PowerAt(time);
+  return f_r.max(0) * std::max(pair.cos_theta_i(), 0.0) * scene_->PowerAt(time);
 }
 
 Rgb SimCamera::Signal(Seconds start, Seconds exposure) const {
-  const bool smeared = std::any_of(motors_.begin(), motors_.end(), [&](const auto& motor) {
-    return motor->MovingBetween(start, start + exposure);
-  });
+  const bool smeared = scene_->MovingBetween(start, start + exposure);
   const int steps = smeared ? kSmearSteps : 1;
   Rgb sum = Rgb::Zero();
   for (int i = 0; i < steps; ++i) sum += Radiance(start + exposure * ((i + 0.5) / steps));
@@ -91,6 +85,7 @@ Result<Frame> SimCamera::Capture(Seconds exposure, std::stop_token stop) {
                     info_.min_exposure.count(), info_.max_exposure.count())};
   }
   const Seconds used(std::max(std::round(exposure.count() / kExposureStep), 1.0) * kExposureStep);
+  if (auto seen = scene_->Look(); !seen) return seen.error();
   const Seconds start = clock_.Now();
   // To read darkness where the sample's reflectance is unknown would be to invent it.
   const DirectionPair pair = Directions(start);

@@ -10,15 +10,11 @@
 #include "drivers/camera.h"
 #include "sim/random.h"
 #include "sim/sim_config.h"
-#include "sim/sim_light.h"
-#include "sim/sim_motor.h"
+#include "sim/sim_scene.h"
 
 namespace gonio {
 
-// Motors of light azimuth, light elevation, camera azimuth, camera elevation.
-using SimMotors = std::array<std::shared_ptr<SimMotor>, 4>;
-
-// Exposes where the arms truly are, not where an encoder puts them:
+// Exposes the scene:
 //
 //   electrons = Poisson(responsivity f_r cos(theta_i) power t (1 + m) + dark t) + read noise
 //   counts    = round(electrons / electrons_per_count + black level), clipped to 0 .. full scale
@@ -30,7 +26,7 @@ class SimCamera final : public Camera {
  public:
   // `sample` and `clock` must outlive it.
   SimCamera(std::string name, const CameraInfo& info, const SimConfig& truth, const Brdf& sample,
-            SimMotors motors, std::shared_ptr<const SimLamp> lamp, Clock& clock, Random random);
+            std::unique_ptr<SimScene> scene, Clock& clock, Random random);
 
   const std::string& name() const override { return name_; }
   const std::string& identity() const override { return identity_; }
@@ -52,8 +48,7 @@ class SimCamera final : public Camera {
   const CameraInfo info_;
   const SimConfig truth_;
   const Brdf& sample_;
-  const SimMotors motors_;
-  const std::shared_ptr<const SimLamp> lamp_;
+  const std::unique_ptr<SimScene> scene_;
   Clock& clock_;
   Random random_;
 };

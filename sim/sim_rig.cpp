@@ -34,8 +34,9 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
                                                 clock, Random(seed, kAxis + i));
   }
   devices.camera =
-      std::make_unique<SimCamera>("camera", setup.camera, truth, sample, devices.motors,
-                                  devices.lamp, clock, Random(seed, kCameraStream));
+      std::make_unique<SimCamera>("camera", setup.camera, truth, sample,
+                                  std::make_unique<MotorScene>(devices.motors, devices.lamp), clock,
+                                  Random(seed, kCameraStream));
   devices.light = std::make_unique<SimLight>("light", devices.lamp);
   devices.monitor = std::make_unique<SimMonitor>("monitor", devices.lamp, truth.monitor_noise,
                                                  clock, Random(seed, kMonitorStream));

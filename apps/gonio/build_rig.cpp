@@ -4,9 +4,11 @@
 #include <utility>
 
 #include "acquisition/kinematics.h"
-#include "core/check.h"
+#include "apps/gonio/device_error.h"
 #include "core/config.h"
 #include "core/file.h"
+#include "drivers/axis_opener.h"
+#include "sim/sim_camera.h"
 #include "sim/sim_rig.h"
 
 namespace gonio {
@@ -16,13 +18,12 @@ RigFile LoadRig(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::Parse(text, path.string());
   RigFile file;
   file.config = ReadRig(root, text);
-  if (file.config.simulated) file.simulation = ReadSim(root);
+  file.simulation = ReadSim(root);
   root.RefuseUnknownKeys();
   return file;
 }
 
-OpenedRig OpenRig(const RigFile& file, const Brdf& sample, std::uint64_t seed) {
-  GONIO_CHECK(file.config.simulated, "ReadRig() lets no other kind pass");
+OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t seed) {
   OpenedRig rig;
   rig.clock = std::make_unique<ManualClock>();
   const SimSetup setup{.axes = file.config.axes,
@@ -33,6 +34,51 @@ OpenedRig OpenRig(const RigFile& file, const Brdf& sample, std::uint64_t seed) {
                  .camera = std::move(sim.camera),
                  .light = std::move(sim.light),
                  .monitor = std::move(sim.monitor)};
+  return rig;
+}
+
+namespace {
+
+// Streams of the generators of simulated devices on a real rig.
+enum Stream { kCameraStream = 20, kMonitorStream = 30 };
+
+[[noreturn]] void Refuse(const std::string& where, const Error& error, const LinkLog& wires) {
+  const std::string what = where + ": " + error.message;
+  if (error.code == ErrorCode::kRefused) throw ConfigError(what);
+  throw DeviceError(what, wires);
+}
+
+void OpenAxes(const RigConfig& config, OpenedRig& rig) {
+  AxisOpener opener(rig.clock.get(), rig.wires);
+  for (int i = 0; i < kAxes; ++i) {
+    ControllerAxisSettings settings;
+    settings.name = kAxisNames[i];
+    settings.limits = config.axes[i];
+    settings.home_limit = config.motion.home_limit;
+    auto axis = opener.Open(*config.axis_devices[i], settings);
+    if (!axis) Refuse(config.axis_devices[i]->where, axis.error(), *rig.wires);
+    rig.devices.axes[i] = std::move(axis).value();
+  }
+}
+
+}  // namespace
+
+OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
+                   std::unique_ptr<Clock> clock) {
+  OpenedRig rig;
+  rig.clock = std::move(clock);
+  rig.wires = std::make_shared<LinkLog>(rig.clock.get());
+  OpenAxes(file.config, rig);
+  auto lamp = std::make_shared<SimLamp>(file.simulation.light_drift_per_hour);
+  rig.devices.light = std::make_unique<SimLight>("light", lamp);
+  rig.devices.monitor = std::make_unique<SimMonitor>("monitor", lamp, file.simulation.monitor_noise,
+                                                     *rig.clock, Random(seed, kMonitorStream));
+  std::array<Axis*, kAxes> axes{};
+  for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
+  rig.devices.camera =
+      std::make_unique<SimCamera>("camera", file.config.camera, file.simulation, sample,
+                                  std::make_unique<ReadbackScene>(axes, rig.devices.light.get()),
+                                  *rig.clock, Random(seed, kCameraStream));
   return rig;
 }
 

@@ -10,6 +10,7 @@
 #include "acquisition/rig.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
+#include "drivers/link_log.h"
 #include "planner/candidates.h"
 #include "sim/sim_config.h"
 
@@ -17,7 +18,7 @@ namespace gonio {
 
 struct RigFile {
   RigConfig config;
-  SimConfig simulation;  // kind: simulated
+  SimConfig simulation;  // of the parts that are not real
 };
 
 // Throws ConfigError naming file, line and key.
@@ -25,12 +26,22 @@ RigFile LoadRig(const std::filesystem::path& path);
 
 // Devices with the clock they live by. Destroying it stops the axes and switches the light off.
 struct OpenedRig {
-  std::unique_ptr<Clock> clock;  // virtual on a simulated rig
+  std::unique_ptr<Clock> clock;    // virtual on a simulated rig
+  std::shared_ptr<LinkLog> wires;  // of the real devices; null on a simulated rig
   Devices devices;
 };
 
-// A simulated rig looks at `sample`, which must outlive it; `seed` is that of its noise.
-OpenedRig OpenRig(const RigFile& file, const Brdf& sample, std::uint64_t seed);
+// A simulated rig with the limits, speeds and noise of this one, be it real or not. It looks at
+// `sample`, which must outlive it; `seed` is that of its noise.
+OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t seed);
+
+// The real devices of a rig of kind `real`, which live by `clock`; those that are not look at
+// `sample`, as above. Opens everything or nothing, and moves nothing.
+//
+// Throws ConfigError naming the place in the file if a device is not there, is not what the file
+// says, or cannot do it; DeviceError, with the last lines of the wires, if one does not answer.
+OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
+                   std::unique_ptr<Clock> clock);
 
 // The poses a plan may choose from: those the rig can reach and where the simulated `sample`, which
 // must outlive the result, has a reflectance: measured materials end somewhere, and beyond it the

@@ -73,7 +73,7 @@ class Task {
                             .noise = NoiseOn(rig_file.config),
                             .pca = session_.learned != nullptr ? session_.learned->pca : nullptr,
                             .seed = session_.seed});
-    OpenedRig rig = OpenRig(rig_file, *truth_, session_.seed);
+    OpenedRig rig = OpenSimulated(rig_file, *truth_, session_.seed);
     summary_ = RunSession({rig_file.config, rig.devices, *rig.clock, *planner}, {},
                           {.after_pose = {}, .now = now_});
     if (summary_.outcome == SessionOutcome::kStopped) return false;

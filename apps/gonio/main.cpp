@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// gonio: every error is one line on standard error and an exit code (commands.h).
+// gonio: every error is one line on standard error and an exit code (commands.h); below that of a
+// device, what last went over its wire.
 
 #include <csignal>
 #include <cstdio>
@@ -8,6 +9,7 @@
 
 #include "apps/gonio/cli.h"
 #include "apps/gonio/commands.h"
+#include "apps/gonio/device_error.h"
 #include "core/error.h"
 
 namespace {
@@ -32,6 +34,10 @@ int main(int argc, char** argv) {
     if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
       return Report(gonio::kFailed, "standard output: cannot write");
     }
+    return code;
+  } catch (const gonio::DeviceError& e) {
+    const int code = Report(gonio::kDeviceFaultExit, e.what());
+    std::fputs(e.wires().c_str(), stderr);
     return code;
   } catch (const gonio::ConfigError& e) {
     return Report(gonio::kUsage, e.what());

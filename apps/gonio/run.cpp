@@ -12,6 +12,7 @@
 #include "acquisition/time_estimate.h"
 #include "apps/gonio/build_rig.h"
 #include "apps/gonio/commands.h"
+#include "apps/gonio/device_error.h"
 #include "apps/gonio/interrupt.h"
 #include "apps/gonio/locate.h"
 #include "apps/gonio/open_any.h"
@@ -26,6 +27,8 @@ namespace gonio {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kWireLog = "wire.log";
 
 // Everything that is read and checked before a directory is made or an axis moves.
 struct Setup {
@@ -84,6 +87,11 @@ SessionInfo Describe(const RunOptions& options, const Setup& setup, const Device
   return info;
 }
 
+OpenedRig Open(const Setup& setup, std::uint64_t seed) {
+  if (setup.rig.config.simulated) return OpenSimulated(setup.rig, *setup.material, seed);
+  return OpenReal(setup.rig, *setup.material, seed, std::make_unique<SystemClock>());
+}
+
 void PrintSession(const SessionSummary& s) {
   fmt::print("session          {}: {}\n", ToString(s.outcome), s.reason);
   fmt::print("poses            {} measured with {} frames, {} refused\n", s.poses.size(), s.frames,
@@ -110,6 +118,16 @@ void ReportFault(const SessionSummary& summary, const fs::path& out) {
   }
   fmt::print(stderr, "gonio: {} ({} poses are safe in {})\n", summary.reason, summary.poses.size(),
              out.string());
+}
+
+// How much went over each wire, all of which is in DIR/wire.log.
+void RecordWires(const LinkLog& wires, const SessionSummary& summary, EventLog& log) {
+  for (const auto& [link, count] : wires.Counts()) {
+    (void)log.AppendNote(
+        summary.duration, "wire",
+        fmt::format("{}: {} messages sent, {} bytes, {} received; {} calls failed", link,
+                    count.sent, count.bytes_sent, count.bytes_received, count.failures));
+  }
 }
 
 void FitAndPrint(const SessionSummary& summary, const Setup& setup, const fs::path& out) {
@@ -139,8 +157,9 @@ int RunCommand(const RunOptions& options) {
                       ": exists already; a session never reuses a directory, name another");
   }
   const Setup setup = Prepare(options);
-  OpenedRig rig = OpenRig(setup.rig, *setup.material, options.seed);
+  OpenedRig rig = Open(setup, options.seed);
   EventLog log = EventLog::Create(options.out, Describe(options, setup, rig.devices));
+  if (rig.wires) rig.wires->WriteTo(options.out / kWireLog);
 
   SessionSummary summary;
   {
@@ -151,6 +170,12 @@ int RunCommand(const RunOptions& options) {
                          [&](const Progress& progress) { line.Show(progress); });
   }
   ReportFault(summary, options.out);
+  if (rig.wires) {
+    RecordWires(*rig.wires, summary, log);
+    if (summary.outcome == SessionOutcome::kDeviceFault) {
+      fmt::print(stderr, "{}", LastOnTheWires(*rig.wires));
+    }
+  }
   const int code = ExitCodeOf(summary.outcome);
   // A full disk has no room for a fit either; the samples can be fitted later.
   if (summary.outcome == SessionOutcome::kStorageFailed) return code;

@@ -61,9 +61,6 @@ class Simulation {
  public:
   explicit Simulation(const SimulateOptions& options)
       : options_(options), rig_(LoadRig(LocateConfig(options.rig))) {
-    if (!rig_.config.simulated) {
-      throw ConfigError(options.rig + ": is not a simulated rig (kind: simulated)");
-    }
     plans_ = LoadPlans(options);
     materials_ = options.materials.empty() ? DrawMaterials(options.draws, options.seed, plans_)
                                            : OpenMaterials(options.materials, plans_);

@@ -81,7 +81,7 @@ SimulatedSession Simulate(const RigFile& rig_file, const NamedPlan& named,
                          .costs = CostsOn(rig_file.config),
                          .noise = NoiseOn(rig_file.config),
                          .seed = seed});
-  OpenedRig rig = OpenRig(rig_file, *material.brdf, seed);
+  OpenedRig rig = OpenSimulated(rig_file, *material.brdf, seed);
   const SessionSummary summary =
       RunSession({rig_file.config, rig.devices, *rig.clock, *planner}, {}, stop);
   SimulatedSession session{.plan = named.name,

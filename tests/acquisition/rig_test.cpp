@@ -104,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadRig{"version: 1", "version: 2", "version: is 2, must be between 1 and 1"},
         BadRig{"name: simulated lab stage", "name: \"\"", "name: must not be empty"},
         BadRig{"kind: simulated", "kind: imagined",
-               "kind: is \"imagined\", must be one of simulated"},
+               "kind: is \"imagined\", must be one of simulated, real"},
         BadRig{"kind: four-axis", "kind: dome",
                "geometry.kind: is \"dome\", must be one of four-axis"},
         BadRig{"min_separation_deg: 3", "min_separation_deg: -3",
@@ -125,6 +125,12 @@ INSTANTIATE_TEST_SUITE_P(
                "axes.light_azimuth.acceleration_deg_s2: is -1, must be > 0"},
         BadRig{"tolerance_deg: 0.05", "tolerance_deg: fine",
                "axes.light_azimuth.tolerance_deg: is \"fine\", must be a finite number"},
+        BadRig{"tolerance_deg: 0.05", "tolerance_deg: 0.05\n    approach_deg: 30",
+               "axes.light_azimuth.approach_deg: is 30, must be between -20 and 20"},
+        BadRig{"min_deg: 2\n    max_deg: 90",
+               "min_deg: 88.5\n    max_deg: 90\n    approach_deg: 1.5",
+               "axes.light_elevation.approach_deg: leaves no room between min_deg and max_deg"},
+        BadRig{"kind: simulated", "kind: real", "axes.light_azimuth.device: is missing"},
         BadRig{"  camera_azimuth:", "  camera_azimut:", "axes.camera_azimuth: is missing"},
         BadRig{"settle_s: 0.5", "settle_s: -0.5", "motion.settle_s: is -0.5, must be >= 0"},
         BadRig{"home_limit_s: 120", "home_limit_s: 0", "motion.home_limit_s: is 0, must be > 0"},
@@ -164,10 +170,10 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST(ReadRig, NamesFileAndLine) {
   try {
-    ReadRig(ConfigNode::Parse("version: 1\nname: x\nkind: real\n", "rig.yaml"), "");
+    ReadRig(ConfigNode::Parse("version: 1\nname: x\nkind: imagined\n", "rig.yaml"), "");
     FAIL() << "no complaint";
   } catch (const ConfigError& e) {
-    EXPECT_STREQ(e.what(), "rig.yaml:3: kind: is \"real\", must be one of simulated");
+    EXPECT_STREQ(e.what(), "rig.yaml:3: kind: is \"imagined\", must be one of simulated, real");
   }
 }
 

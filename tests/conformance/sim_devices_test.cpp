@@ -52,7 +52,8 @@ CameraSubject NoisyCamera() {
   lamp->set_level(1);
   SimMotors motors;
   for (auto& motor : motors) motor = std::make_shared<SimMotor>(0.8, 1, 1, *subject.clock);
-  subject.camera = std::make_unique<SimCamera>("camera", info, truth, kGrey, motors, lamp,
+  subject.camera = std::make_unique<SimCamera>("camera", info, truth, kGrey,
+                                               std::make_unique<MotorScene>(motors, lamp),
                                                *subject.clock, Random(1, 0));
   return subject;
 }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <thread>
+
 namespace gonio {
 namespace {
 
@@ -32,6 +34,25 @@ TEST(ManualClock, DoesNotSleepOnceStopIsRequested) {
   stop.request_stop();
   clock.SleepFor(Seconds(1), stop.get_token());
   EXPECT_EQ(clock.Now(), Seconds(1));
+}
+
+TEST(SystemClock, PassesByItself) {
+  SystemClock clock;
+  const Seconds before = clock.Now();
+  clock.SleepFor(Seconds(1e-3));
+  EXPECT_GE((clock.Now() - before).count(), 1e-3);
+  clock.SleepFor(Seconds(-1));
+}
+
+// Example failure is a stop that waits for the end of the exposure.
+TEST(SystemClock, WakesWhenAskedTo) {
+  SystemClock clock;
+  std::stop_source stop;
+  std::thread other([&] { stop.request_stop(); });
+  clock.SleepFor(Seconds(1000), stop.get_token());
+  other.join();
+  clock.SleepFor(Seconds(1000), stop.get_token());
+  EXPECT_LT(clock.Now().count(), 500);
 }
 
 }  // namespace

@@ -227,6 +227,12 @@ TEST(ConfigNode, LetsTheCallerComplainAtAKey) {
             "rig.yaml:2: b: clashes");
 }
 
+TEST(ConfigNode, SaysWhereItIs) {
+  const ConfigNode root = Rig("a: 1\nb:\n  c: {d: 1}\n");
+  EXPECT_EQ(root.Where(), "rig.yaml:1");
+  EXPECT_EQ(root.Map("b").Map("c").Where(), "rig.yaml:3: b.c");
+}
+
 TEST(ConfigNode, ListsItsKeysInOrder) {
   EXPECT_THAT(Rig("b: 1\na: 2\n").Keys(), ElementsAre("b", "a"));
 }

@@ -30,7 +30,8 @@ struct Bench {
                              .min_exposure = Seconds(1e-5),
                              .max_exposure = Seconds(20),
                              .readout = Seconds(0.25)};
-    camera = std::make_unique<SimCamera>("camera", info, config, sample, motors, lamp, clock,
+    camera = std::make_unique<SimCamera>("camera", info, config, sample,
+                                         std::make_unique<MotorScene>(motors, lamp), clock,
                                          Random(1, 1));
   }
 

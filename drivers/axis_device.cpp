@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/axis_device.h"
+
+#include <algorithm>
+#include <iterator>
+#include <vector>
+
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+using Flow = SerialSettings::Flow;
+
+struct Protocol {
+  const char* name;
+  AxisProtocol protocol;
+  int baud;
+  Flow flow;
+  int addresses;  // 1 .. this
+  int axes;       // of one controller
+};
+
+constexpr Protocol kProtocols[] = {
+    {"zaber", AxisProtocol::kZaber, 115200, Flow::kNone, 99, 9},
+    {"smc100", AxisProtocol::kSmc100, 57600, Flow::kXonXoff, 31, 1},
+    {"conex-cc", AxisProtocol::kSmc100, 921600, Flow::kXonXoff, 31, 1},
+};
+
+const Protocol& ReadProtocol(const ConfigNode& node) {
+  std::vector<std::string> names;
+  for (const Protocol& protocol : kProtocols) names.emplace_back(protocol.name);
+  const std::string name = node.Choice("driver", names);
+  return *std::find_if(std::begin(kProtocols), std::end(kProtocols),
+                       [&](const Protocol& protocol) { return protocol.name == name; });
+}
+
+Flow ReadFlow(const ConfigNode& node, Flow usual) {
+  if (!node.Has("flow")) return usual;
+  const std::string flow = node.Choice("flow", {"none", "rts-cts", "xon-xoff"});
+  return flow == "none" ? Flow::kNone : flow == "rts-cts" ? Flow::kRtsCts : Flow::kXonXoff;
+}
+
+}  // namespace
+
+AxisDevice ReadAxisDevice(const ConfigNode& node) {
+  const Protocol& protocol = ReadProtocol(node);
+  AxisDevice device;
+  device.where = node.Where();
+  device.protocol = protocol.protocol;
+  device.port.port = node.Text("port");
+  device.port.baud = node.IntegerOr("baud", protocol.baud, 1, 4000000);
+  device.port.flow = ReadFlow(node, protocol.flow);
+  device.address = node.IntegerOr("address", 1, 1, protocol.addresses);
+  device.axis = node.IntegerOr("axis", 1, 1, protocol.axes);
+  device.zero = RadFromDeg(node.NumberOr("zero_deg", 0, Range::Between(-360, 360)));
+  device.turned = node.BoolOr("turned", false);
+  return device;
+}
+
+}  // namespace gonio

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "drivers/axis_opener.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "drivers/smc100_axis.h"
+#include "drivers/zaber_axis.h"
+#include "drivers/zaber_chain.h"
+
+namespace gonio {
+namespace {
+
+struct OpenOn {
+  const AxisDevice& device;
+  const ControllerAxisSettings& settings;
+  Clock* clock;
+
+  Result<std::unique_ptr<Axis>> operator()(const std::shared_ptr<zaber::Chain>& chain) const {
+    return zaber::OpenAxis(chain, {.device = device.address, .axis = device.axis}, settings, clock);
+  }
+  Result<std::unique_ptr<Axis>> operator()(const std::shared_ptr<smc100::Line>& line) const {
+    return smc100::OpenAxis(line, device.address, settings, clock);
+  }
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Axis>> AxisOpener::Open(const AxisDevice& device,
+                                               ControllerAxisSettings settings) {
+  settings.scale.zero = device.zero;
+  settings.scale.turned = device.turned;
+  const Result<Line> line = LineOf(device);
+  if (!line) return Error{line.error().code, settings.name + ": " + line.error().message};
+  return std::visit(OpenOn{device, settings, clock_}, *line);
+}
+
+Result<AxisOpener::Line> AxisOpener::LineOf(const AxisDevice& device) {
+  const auto known = lines_.find(device.port.port);
+  if (known != lines_.end()) return Shared(known->second, device);
+  Result<Line> line = OpenLine(device);
+  if (line) lines_.emplace(device.port.port, Opened{device, *line});
+  return line;
+}
+
+Result<AxisOpener::Line> AxisOpener::Shared(const Opened& opened, const AxisDevice& device) const {
+  const char* other = nullptr;
+  if (opened.by.protocol != device.protocol) {
+    other = "for another protocol";
+  } else if (opened.by.port.baud != device.port.baud || opened.by.port.flow != device.port.flow) {
+    other = "with another speed or flow control";
+  }
+  if (other == nullptr) return opened.line;
+  return Error{ErrorCode::kRefused,
+               fmt::format("{}: another axis has it {}", device.port.port, other)};
+}
+
+Result<AxisOpener::Line> AxisOpener::OpenLine(const AxisDevice& device) {
+  auto port = SerialPort::Open(device.port);
+  if (!port) return port.error();
+  std::unique_ptr<ByteLink> link = Logged(std::move(port).value(), log_);
+  switch (device.protocol) {
+    case AxisProtocol::kZaber:
+      return Line(std::make_shared<zaber::Chain>(std::move(link)));
+    case AxisProtocol::kSmc100:
+      return Line(std::make_shared<smc100::Line>(std::move(link)));
+  }
+  GONIO_CHECK(false, "a protocol of AxisProtocol");
+}
+
+}  // namespace gonio

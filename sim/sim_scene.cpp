@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/sim_scene.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace gonio {
+
+MotorScene::MotorScene(SimMotors motors, std::shared_ptr<const SimLamp> lamp)
+    : motors_(std::move(motors)), lamp_(std::move(lamp)) {}
+
+SimArms MotorScene::ArmsAt(Seconds time) const {
+  SimArms arms{};
+  for (std::size_t i = 0; i < arms.size(); ++i) arms[i] = motors_[i]->PositionAt(time);
+  return arms;
+}
+
+bool MotorScene::MovingBetween(Seconds begin, Seconds end) const {
+  return std::any_of(motors_.begin(), motors_.end(),
+                     [&](const auto& motor) { return motor->MovingBetween(begin, end); });
+}
+
+Result<void> ReadbackScene::Look() {
+  for (std::size_t i = 0; i < arms_.size(); ++i) {
+    const Result<AxisState> state = axes_[i]->State();
+    if (!state) return state.error();
+    if (state->moving) {
+      return Error{ErrorCode::kRefused, axes_[i]->name() + ": moves while the shutter is open"};
+    }
+    arms_[i] = state->position;
+  }
+  const Result<double> level = light_->Level();
+  if (!level) return level.error();
+  power_ = *level;
+  return {};
+}
+
+}  // namespace gonio

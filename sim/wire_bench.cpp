@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "sim/wire_bench.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/check.h"
+#include "core/units.h"
+#include "sim/smc100_emulator.h"
+#include "sim/zaber_emulator.h"
+
+namespace gonio {
+namespace {
+
+constexpr double kRoom = 10;  // deg, of a stage beyond the rig's limits
+
+// The limits as the controller counts them [deg], with room.
+struct Span {
+  double least;
+  double most;
+};
+Span SpanOf(const AxisDevice& device, const AxisLimits& limits) {
+  const double sign = device.turned ? -1 : 1;
+  const auto [least, most] = std::minmax(
+      {sign * (limits.min_position - device.zero), sign * (limits.max_position - device.zero)});
+  return {DegFromRad(least) - kRoom, DegFromRad(most) + kRoom};
+}
+
+ZaberStage ZaberFor(const AxisDevice& device, const AxisLimits& limits) {
+  ZaberStage stage;
+  stage.device = device.address;
+  const double per_degree = static_cast<double>(stage.steps_per_turn) / 360;
+  const Span span = SpanOf(device, limits);
+  stage.least = std::lround(span.least * per_degree);
+  stage.most = std::lround(span.most * per_degree);
+  stage.fastest = std::max(stage.fastest, 2 * DegFromRad(limits.max_speed) * per_degree);
+  return stage;
+}
+
+Smc100Stage Smc100For(const AxisDevice& device, const AxisLimits& limits) {
+  const Span span = SpanOf(device, limits);
+  Smc100Stage stage;
+  stage.address = device.address;
+  stage.least_deg = span.least;
+  stage.most_deg = span.most;
+  stage.fastest_deg_s = std::max(stage.fastest_deg_s, 2 * DegFromRad(limits.max_speed));
+  return stage;
+}
+
+}  // namespace
+
+template <typename Emulator, typename Settings>
+void WireBench::AddEmulator(const AxisDevice& device, const Settings& settings) {
+  auto emulator = std::make_shared<Emulator>(settings, clock_);
+  axes_.push_back({device.port.port, [emulator, device] {
+                     return device.zero + (device.turned ? -1 : 1) * emulator->Shaft();
+                   }});
+  controllers_[device.port.port].push_back(
+      [emulator](std::string_view bytes) { return emulator->Receive(bytes); });
+}
+
+void WireBench::Add(const AxisDevice& device, const AxisLimits& limits) {
+  GONIO_CHECK(lines_.empty(), "Add() before Serve()");
+  switch (device.protocol) {
+    case AxisProtocol::kZaber:
+      return AddEmulator<ZaberEmulator>(device, ZaberFor(device, limits));
+    case AxisProtocol::kSmc100:
+      return AddEmulator<Smc100Emulator>(device, Smc100For(device, limits));
+  }
+}
+
+// Everybody on a line hears everything, and those who are meant answer.
+void WireBench::Serve() {
+  for (const auto& [port, controllers] : controllers_) {
+    lines_[port] = std::make_unique<PtyServer>([controllers](std::string_view bytes) {
+      std::string answers;
+      for (const Receive& receive : controllers) answers += receive(bytes);
+      return answers;
+    });
+  }
+}
+
+const std::string& WireBench::PathOf(std::size_t axis) const {
+  return lines_.at(axes_[axis].port)->path();
+}
+
+}  // namespace gonio

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: Apache-2.0
+// The same session on a rig whose arms are controllers at the ends of serial lines, through the
+// real drivers and the real serial library, in simulated time.
+#include <gmock/gmock.h>
+
+#include <sstream>
+
+#include "drivers/axis_opener.h"
+#include "sim/wire_bench.h"
+#include "tests/core/temp_dir.h"
+#include "tests/scenario/bench.h"
+
+namespace gonio {
+namespace {
+
+using testing::HasSubstr;
+
+AxisDevice Device(AxisProtocol protocol, const std::string& port, int address = 1) {
+  AxisDevice device;
+  device.protocol = protocol;
+  device.port.port = port;
+  if (protocol == AxisProtocol::kSmc100) device.port.flow = SerialSettings::Flow::kXonXoff;
+  device.address = address;
+  return device;
+}
+
+// Bench (sim-rig.yaml), its axes in exchange for controllers: two Zaber stages on one line, an
+// SMC100 that is mounted the other way round, and one with its zero elsewhere.
+class WiredBench : public Bench {
+ public:
+  explicit WiredBench(const SimConfig& truth = Perfect())
+      : clock_(std::make_shared<ManualClock>()) {
+    axes_ = {Device(AxisProtocol::kZaber, "chain", 1), Device(AxisProtocol::kZaber, "chain", 2),
+             Device(AxisProtocol::kSmc100, "first"), Device(AxisProtocol::kSmc100, "second")};
+    axes_[2].turned = true;
+    axes_[3].zero = RadFromDeg(90);
+    for (int i = 0; i < kAxes; ++i) doubles_.Add(axes_[i], rig.axes[i]);
+    doubles_.Serve();
+    wires = std::make_shared<LinkLog>(clock_.get());
+    OpenAxes();
+    devices.camera = std::make_unique<SimCamera>(
+        "camera", rig.camera, truth, sample,
+        std::make_unique<ReadbackScene>(Pointers(), devices.light.get()), *clock_, Random(1, 20));
+  }
+
+  ~WiredBench() { devices = {}; }  // before their clock and their lines
+
+  static SimConfig Perfect() {
+    SimConfig truth;
+    truth.responsivity = Rgb(100e3, 120e3, 80e3);
+    truth.electrons_per_count = 4;
+    return truth;
+  }
+  static const SimConfig& Noisy() {
+    static const SimConfig truth =
+        ReadSim(ConfigNode::Load(std::string(GONIO_SOURCE_DIR) + "/configs/sim-rig.yaml"));
+    return truth;
+  }
+
+  SessionSummary Measure(Planner& planner) {
+    return RunSession({rig, devices, *clock_, planner, nullptr}, {}, {}, {});
+  }
+  SessionSummary Measure(std::vector<HalfDiff> poses) {
+    ScriptedPlanner planner(std::move(poses));
+    return Measure(planner);
+  }
+  const WireBench& doubles() const { return doubles_; }
+  PtyServer& line(const std::string& port) { return *doubles_.lines().at(port); }
+
+  std::shared_ptr<LinkLog> wires;
+
+ private:
+  void OpenAxes() {
+    AxisOpener opener(clock_.get(), wires);
+    for (int i = 0; i < kAxes; ++i) {
+      axes_[i].port.port = doubles_.PathOf(i);
+      ControllerAxisSettings settings;
+      settings.name = kAxisNames[i];
+      settings.limits = rig.axes[i];
+      auto axis = opener.Open(axes_[i], settings);
+      ASSERT_TRUE(axis.ok()) << axis.error().message;
+      devices.axes[i] = std::move(axis).value();
+    }
+  }
+  std::array<Axis*, kAxes> Pointers() const {
+    std::array<Axis*, kAxes> pointers{};
+    for (int i = 0; i < kAxes; ++i) pointers[i] = devices.axes[i].get();
+    return pointers;
+  }
+
+  std::shared_ptr<ManualClock> clock_;
+  std::array<AxisDevice, kAxes> axes_;
+  WireBench doubles_{clock_};
+};
+
+TEST(WireSession, MeasuresWhatTheSampleIs) {
+  WiredBench bench;
+  const SessionSummary summary = bench.Measure(FourPoses());
+  EXPECT_EQ(summary.outcome, SessionOutcome::kComplete) << summary.reason;
+  ASSERT_EQ(summary.poses.size(), 4u);
+  for (const auto& pose : summary.poses) {
+    EXPECT_TRUE(pose.sample.f_r.isApprox(Rgb(0.2, 0.4, 0.6) / kPi, 0.01)) << pose.sample.f_r;
+  }
+}
+
+// Example failure is an encoder that is read in the wrong sense: the arms say that they are right.
+TEST(WireSession, ArmsAreWhereTheySay) {
+  WiredBench bench;
+  ASSERT_EQ(bench.Measure(FourPoses()).poses.size(), 4u);
+  for (int i = 0; i < kAxes; ++i) {
+    EXPECT_NEAR(bench.doubles().Angle(i), bench.devices.axes[i]->State()->position, 1e-4)
+        << kAxisNames[i];
+  }
+}
+
+// The same poses on the rig without wires, noise and all.
+TEST(WireSession, AgreesWithTheRigInsideTheProgramWithinItsNoise) {
+  WiredBench wired(WiredBench::Noisy());
+  const SessionSummary over_wires = wired.Measure(FourPoses());
+  Bench inside;
+  ScriptedPlanner planner(FourPoses());
+  const SessionSummary without = inside.Run(planner);
+  ASSERT_EQ(over_wires.poses.size(), without.poses.size());
+  for (std::size_t i = 0; i < without.poses.size(); ++i) {
+    const BrdfSample& a = over_wires.poses[i].sample;
+    const BrdfSample& b = without.poses[i].sample;
+    EXPECT_LT(((a.f_r - b.f_r) / (a.sigma.square() + b.sigma.square()).sqrt()).abs().maxCoeff(), 4);
+  }
+}
+
+// Every message that the log file shows, and no other, is in the counts.
+TEST(WireSession, AccountsForEveryExchange) {
+  WiredBench bench;
+  const TempDir dir;
+  const auto file = dir.path() / "wire.log";
+  bench.wires->WriteTo(file);
+  ASSERT_EQ(bench.Measure(FourPoses()).poses.size(), 4u);
+  std::map<std::string, long> sent;
+  std::istringstream lines(ReadTextFile(file));
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string time, link, way;
+    words >> time >> link >> way;
+    if (way == ">") ++sent[link];
+  }
+  EXPECT_EQ(sent.size(), 3u);
+  for (const auto& [link, count] : bench.wires->Counts()) {
+    EXPECT_EQ(count.sent, sent[link]) << link;
+    EXPECT_EQ(count.failures, 0) << link;
+    EXPECT_GT(count.bytes_received, 0) << link;
+  }
+}
+
+TEST(WireSession, ACableThatIsPulledOutEndsIt) {
+  WiredBench bench;
+  ScriptedPlanner planner(FourPoses());
+  planner.on_observe = [&](int samples) {
+    if (samples == 2) bench.line("first").HangUp();
+  };
+  const SessionSummary summary = bench.Measure(planner);
+  EXPECT_EQ(summary.outcome, SessionOutcome::kDeviceFault);
+  EXPECT_EQ(summary.poses.size(), 2u);
+  EXPECT_THAT(summary.reason, HasSubstr("disconnected"));
+}
+
+}  // namespace
+}  // namespace gonio
