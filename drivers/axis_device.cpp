@@ -19,12 +19,15 @@ struct Protocol {
   Flow flow;
   int addresses;  // 1 .. this
   int axes;       // of one controller
+  bool needs_stage;
 };
 
 constexpr Protocol kProtocols[] = {
-    {"zaber", AxisProtocol::kZaber, 115200, Flow::kNone, 99, 9},
-    {"smc100", AxisProtocol::kSmc100, 57600, Flow::kXonXoff, 31, 1},
-    {"conex-cc", AxisProtocol::kSmc100, 921600, Flow::kXonXoff, 31, 1},
+    {"zaber", AxisProtocol::kZaber, 115200, Flow::kNone, 99, 9, false},
+    {"smc100", AxisProtocol::kSmc100, 57600, Flow::kXonXoff, 31, 1, false},
+    {"conex-cc", AxisProtocol::kSmc100, 921600, Flow::kXonXoff, 31, 1, false},
+    // Addresses are bays of a rack; a controller without bays is 0.
+    {"apt", AxisProtocol::kApt, 115200, Flow::kRtsCts, 10, 4, true},
 };
 
 const Protocol& ReadProtocol(const ConfigNode& node) {
@@ -51,7 +54,9 @@ AxisDevice ReadAxisDevice(const ConfigNode& node) {
   device.port.port = node.Text("port");
   device.port.baud = node.IntegerOr("baud", protocol.baud, 1, 4000000);
   device.port.flow = ReadFlow(node, protocol.flow);
-  device.address = node.IntegerOr("address", 1, 1, protocol.addresses);
+  const int first = protocol.protocol == AxisProtocol::kApt ? 0 : 1;
+  device.address = node.IntegerOr("address", first, first, protocol.addresses);
+  if (protocol.needs_stage) device.stage = node.Text("stage");
   device.axis = node.IntegerOr("axis", 1, 1, protocol.axes);
   device.zero = RadFromDeg(node.NumberOr("zero_deg", 0, Range::Between(-360, 360)));
   device.turned = node.BoolOr("turned", false);

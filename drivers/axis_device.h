@@ -10,7 +10,7 @@
 
 namespace gonio {
 
-enum class AxisProtocol { kZaber, kSmc100 };
+enum class AxisProtocol { kZaber, kSmc100, kApt };
 
 struct AxisDevice {
   std::string where;  // in the rig file: "rig.yaml:14: axes.light_azimuth.device"
@@ -18,6 +18,7 @@ struct AxisDevice {
   SerialSettings port;
   int address = 1;      // of the controller on its line
   int axis = 1;         // of the controller
+  std::string stage;    // where the controller does not tell (drivers/apt_stages.h)
   double zero = 0;      // rad: the mechanism's angle where the controller reads 0
   bool turned = false;  // the mechanism turns the other way
 };

@@ -5,6 +5,7 @@
 
 #include <utility>
 
+#include "drivers/apt_axis.h"
 #include "drivers/smc100_axis.h"
 #include "drivers/zaber_axis.h"
 #include "drivers/zaber_chain.h"
@@ -22,6 +23,12 @@ struct OpenOn {
   }
   Result<std::unique_ptr<Axis>> operator()(const std::shared_ptr<smc100::Line>& line) const {
     return smc100::OpenAxis(line, device.address, settings, clock);
+  }
+  Result<std::unique_ptr<Axis>> operator()(const std::shared_ptr<apt::Link>& link) const {
+    const apt::Address motor{
+        .module = device.address == 0 ? apt::kUsbUnit : apt::kFirstBay + device.address - 1,
+        .channel = device.axis};
+    return apt::OpenAxis(link, motor, device.stage, settings, clock);
   }
 };
 
@@ -57,7 +64,8 @@ Result<AxisOpener::Line> AxisOpener::Shared(const Opened& opened, const AxisDevi
 }
 
 Result<AxisOpener::Line> AxisOpener::OpenLine(const AxisDevice& device) {
-  auto port = SerialPort::Open(device.port);
+  auto port = device.protocol == AxisProtocol::kApt ? apt::OpenPort(device.port, clock_)
+                                                    : SerialPort::Open(device.port);
   if (!port) return port.error();
   std::unique_ptr<ByteLink> link = Logged(std::move(port).value(), log_);
   switch (device.protocol) {
@@ -65,6 +73,8 @@ Result<AxisOpener::Line> AxisOpener::OpenLine(const AxisDevice& device) {
       return Line(std::make_shared<zaber::Chain>(std::move(link)));
     case AxisProtocol::kSmc100:
       return Line(std::make_shared<smc100::Line>(std::move(link)));
+    case AxisProtocol::kApt:
+      return Line(std::make_shared<apt::Link>(std::move(link)));
   }
   GONIO_CHECK(false, "a protocol of AxisProtocol");
 }

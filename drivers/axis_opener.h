@@ -14,6 +14,9 @@
 
 namespace gonio {
 
+namespace apt {
+class Link;
+}
 namespace smc100 {
 class Line;
 }
@@ -33,7 +36,8 @@ class AxisOpener {
   Result<std::unique_ptr<Axis>> Open(const AxisDevice& device, ControllerAxisSettings settings);
 
  private:
-  using Line = std::variant<std::shared_ptr<zaber::Chain>, std::shared_ptr<smc100::Line>>;
+  using Line = std::variant<std::shared_ptr<zaber::Chain>, std::shared_ptr<smc100::Line>,
+                            std::shared_ptr<apt::Link>>;
   struct Opened {
     AxisDevice by;
     Line line;

@@ -7,6 +7,7 @@
 
 #include "core/check.h"
 #include "core/units.h"
+#include "sim/apt_emulator.h"
 #include "sim/smc100_emulator.h"
 #include "sim/zaber_emulator.h"
 
@@ -48,6 +49,15 @@ Smc100Stage Smc100For(const AxisDevice& device, const AxisLimits& limits) {
   return stage;
 }
 
+// A PRM1-Z8, and a K10CR1 for whatever else is asked for.
+AptStage AptFor(const AxisDevice& device, const AxisLimits& limits) {
+  AptStage stage = device.stage == "PRM1-Z8" ? AptStage{} : K10cr1();
+  if (device.address > 0) stage.module = static_cast<std::uint8_t>(0x20 + device.address);
+  stage.channel = static_cast<std::uint8_t>(device.axis);
+  stage.fastest_deg_s = std::max(stage.fastest_deg_s, 2 * DegFromRad(limits.max_speed));
+  return stage;
+}
+
 }  // namespace
 
 template <typename Emulator, typename Settings>
@@ -67,6 +77,8 @@ void WireBench::Add(const AxisDevice& device, const AxisLimits& limits) {
       return AddEmulator<ZaberEmulator>(device, ZaberFor(device, limits));
     case AxisProtocol::kSmc100:
       return AddEmulator<Smc100Emulator>(device, Smc100For(device, limits));
+    case AxisProtocol::kApt:
+      return AddEmulator<AptEmulator>(device, AptFor(device, limits));
   }
 }
 

@@ -4,8 +4,10 @@
 // all wires and controllers have.
 #include <gmock/gmock.h>
 
+#include "drivers/apt_axis.h"
 #include "drivers/smc100_axis.h"
 #include "drivers/zaber_axis.h"
+#include "sim/apt_emulator.h"
 #include "sim/smc100_emulator.h"
 #include "sim/zaber_emulator.h"
 #include "tests/conformance/axis.h"
@@ -68,6 +70,17 @@ WireSubject Smc100(bool turned) {
       });
 }
 
+WireSubject Apt(bool turned, const AptStage& controller, const char* stage) {
+  return Subject<AptEmulator>(
+      turned, controller, "\x65\x04\x01\x02\x50\x01",
+      [stage](std::unique_ptr<ByteLink> link, const auto& settings, Clock* clock) {
+        auto shared = std::make_shared<apt::Link>(std::move(link), kWireReplyLimit);
+        return apt::OpenAxis(std::move(shared), {}, stage, settings, clock);
+      });
+}
+WireSubject AptServo(bool turned) { return Apt(turned, AptStage{}, "PRM1-Z8"); }
+WireSubject AptStepper(bool turned) { return Apt(turned, K10cr1(), "K10CR1"); }
+
 AxisFactory Promised(const WireFactory& make, bool turned) {
   return [make, turned] {
     WireSubject wire = make(turned);
@@ -87,6 +100,10 @@ INSTANTIATE_TEST_SUITE_P(Zaber, AxisConformance,
                          testing::Values(Promised(Zaber, false), Promised(Zaber, true)));
 INSTANTIATE_TEST_SUITE_P(Smc100, AxisConformance,
                          testing::Values(Promised(Smc100, false), Promised(Smc100, true)));
+INSTANTIATE_TEST_SUITE_P(AptServo, AxisConformance,
+                         testing::Values(Promised(AptServo, false), Promised(AptServo, true)));
+INSTANTIATE_TEST_SUITE_P(AptStepper, AxisConformance,
+                         testing::Values(Promised(AptStepper, false), Promised(AptStepper, true)));
 
 class WireFaults : public testing::TestWithParam<WireFactory> {
  protected:
@@ -158,6 +175,8 @@ TEST_P(WireFaults, StoppedShortOfItsTargetItHasNotArrived) {
 
 INSTANTIATE_TEST_SUITE_P(Zaber, WireFaults, testing::Values(Zaber));
 INSTANTIATE_TEST_SUITE_P(Smc100, WireFaults, testing::Values(Smc100));
+INSTANTIATE_TEST_SUITE_P(AptServo, WireFaults, testing::Values(AptServo));
+INSTANTIATE_TEST_SUITE_P(AptStepper, WireFaults, testing::Values(AptStepper));
 
 }  // namespace
 }  // namespace gonio
