@@ -200,6 +200,15 @@ Action SetUpDevices(CLI::App& app) {
   return [o] { return DevicesCommand(*o); };
 }
 
+Action SetUpDoctor(CLI::App& app) {
+  auto o = std::make_shared<DoctorOptions>();
+  app.add_option("--rig", o->rig,
+                 "Rig file whose ports are opened and closed again; boards that reset when their "
+                 "port is opened do");
+  app.add_option("--json", o->json, "Write the same as JSON (-: to standard output)");
+  return [o] { return DoctorCommand(*o); };
+}
+
 struct Command {
   const char* name;
   const char* help;
@@ -220,6 +229,7 @@ constexpr Command kCommands[] = {
     {"render", "Render spheres of reflectances", SetUpRender},
     {"devices", "List what is plugged in: serial ports, and which USB adapter is behind which",
      SetUpDevices},
+    {"doctor", "What keeps this machine from its devices, and what to do about it", SetUpDoctor},
     {"report", "Show a session as one HTML page with pictures (needs gnuplot)", SetUpReport},
 };
 

@@ -122,6 +122,13 @@ struct DevicesOptions {
 };
 int DevicesCommand(const DevicesOptions& options);
 
+struct DoctorOptions {
+  std::string rig;   // whose ports are tried, too; empty: none
+  std::string json;  // file, or "-" for standard output; empty: text only
+};
+// kFailed if anything is wrong.
+int DoctorCommand(const DoctorOptions& options);
+
 struct ReportOptions {
   std::filesystem::path session;
   std::filesystem::path out;  // empty: report.html in the session

@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/gonio/doctor_checks.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <system_error>
+
+#include "drivers/serial_port.h"
+
+namespace gonio {
+namespace {
+
+namespace fs = std::filesystem;
+using Kind = Finding::Kind;
+
+constexpr const char* kRules =
+    "copy 60-goniopilot.rules to /etc/udev/rules.d, run udevadm control --reload, plug it in again";
+
+// One line of the system's about a device, without its end; empty if it does not say.
+std::string Attribute(const fs::path& file) {
+  std::ifstream in(file);
+  std::string line;
+  std::getline(in, line);
+  return line;
+}
+
+std::vector<fs::path> Entries(const fs::path& dir) {
+  std::vector<fs::path> entries;
+  std::error_code absent;
+  for (const auto& entry : fs::directory_iterator(dir, absent)) entries.push_back(entry.path());
+  std::sort(entries.begin(), entries.end());
+  return entries;
+}
+
+bool MayOpen(const fs::path& node) { return ::access(node.c_str(), R_OK | W_OK) == 0; }
+
+// FTDI's adapters keep what they have for so long before they hand it over, 16 ms unless told
+// otherwise, which every exchange then takes.
+std::optional<Finding> CheckLatency(const std::string& port) {
+  const fs::path file =
+      fs::path("/sys/bus/usb-serial/devices") / fs::path(port).filename() / "latency_timer";
+  const std::string milliseconds = Attribute(file);
+  if (milliseconds.empty() || milliseconds == "1") return std::nullopt;
+  return Finding{Kind::kHint, port,
+                 fmt::format("its adapter holds answers back for {} ms; {}, or: echo 1 > {}",
+                             milliseconds, kRules, file.string())};
+}
+
+Finding CheckPort(const SerialPortInfo& port) {
+  if (!MayOpen(port.path)) {
+    return {Kind::kWrong, port.path,
+            "no permission; add yourself to the group that owns it, dialout as a rule: "
+            "adduser $USER dialout, and log in again"};
+  }
+  if (auto slow = CheckLatency(port.path)) return *slow;
+  return {Kind::kFine, port.path, port.description.empty() ? "serial port" : port.description};
+}
+
+// An interface of the USB test and measurement class.
+bool IsInstrument(const fs::path& interface) {
+  return Attribute(interface / "bInterfaceClass") == "fe" &&
+         Attribute(interface / "bInterfaceSubClass") == "03";
+}
+
+std::string DriverOf(const fs::path& interface) {
+  std::error_code none;
+  const fs::path driver = fs::read_symlink(interface / "driver", none);
+  return none ? "" : driver.filename().string();
+}
+
+Finding CheckInstrument(const fs::path& device, const fs::path& interface) {
+  const auto number = [&](const char* name) { return std::atoi(Attribute(device / name).c_str()); };
+  const std::string node =
+      fmt::format("/dev/bus/usb/{:03d}/{:03d}", number("busnum"), number("devnum"));
+  const std::string subject =
+      fmt::format("USB {}:{} {}", Attribute(device / "idVendor"), Attribute(device / "idProduct"),
+                  Attribute(device / "serial"));
+  if (!MayOpen(node)) return {Kind::kWrong, subject, fmt::format("no permission; {}", kRules)};
+  const std::string driver = DriverOf(interface);
+  if (driver == "usbtmc") {
+    return {Kind::kHint, subject,
+            "the system's driver (usbtmc) has it: taken over while gonio runs; programs that have "
+            "/dev/usbtmc* open must end"};
+  }
+  if (!driver.empty() && driver != "usbfs") {
+    return {Kind::kWrong, subject, fmt::format("the driver {} has it", driver)};
+  }
+  return {Kind::kFine, subject, Attribute(device / "product")};
+}
+
+}  // namespace
+
+std::vector<Finding> CheckSerialPorts() {
+  const Result<std::vector<SerialPortInfo>> ports = ListSerialPorts();
+  if (!ports) return {{Kind::kWrong, "serial ports", ports.error().message}};
+  if (ports->empty()) return {{Kind::kHint, "serial ports", "none; is the adapter plugged in?"}};
+  std::vector<Finding> findings;
+  for (const SerialPortInfo& port : *ports) findings.push_back(CheckPort(port));
+  return findings;
+}
+
+std::vector<Finding> CheckUsbInstruments() {
+  std::vector<Finding> findings;
+  for (const fs::path& interface : Entries("/sys/bus/usb/devices")) {
+    if (!IsInstrument(interface)) continue;
+    // "1-2:1.0" is an interface of the device "1-2", beside it in the list.
+    const std::string name = interface.filename().string();
+    findings.push_back(
+        CheckInstrument(interface.parent_path() / name.substr(0, name.find(':')), interface));
+  }
+  if (findings.empty()) {
+    findings.push_back({Kind::kHint, "USB instruments", "none; is the light or the monitor on?"});
+  }
+  return findings;
+}
+
+std::vector<Finding> CheckPortsOf(const RigConfig& rig) {
+  std::map<std::string, const AxisDevice*> ports;  // each once
+  for (const auto& device : rig.axis_devices) {
+    if (device) ports.emplace(device->port.port, &*device);
+  }
+  std::vector<Finding> findings;
+  for (const auto& [name, device] : ports) {
+    const auto port = SerialPort::Open(device->port);
+    findings.push_back(port ? Finding{Kind::kFine, name, "can be opened"}
+                            : Finding{Kind::kWrong, device->where, port.error().message});
+  }
+  return findings;
+}
+
+}  // namespace gonio
