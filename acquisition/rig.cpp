@@ -117,7 +117,17 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   }
   rig.motion = ReadMotion(root.Map("motion"));
   // The least is not zero: without light there is nothing to divide by.
-  rig.light_level = root.Map("light").Number("level", Range::Between(0.001, 1));
+  const ConfigNode light = root.Map("light");
+  rig.light_level = light.Number("level", Range::Between(0.001, 1));
+  if (!rig.simulated) {
+    rig.light_device = ReadLightDevice(light.Map("device"));
+    const ConfigNode monitor = root.Map("monitor");
+    rig.monitor_device = ReadMonitorDevice(monitor.Map("device"));
+    if ((rig.light_device.driver == LightDevice::Driver::kSimulated) !=
+        (rig.monitor_device.driver == MonitorDevice::Driver::kSimulated)) {
+      monitor.Fail("device", "a simulated monitor sees a simulated light only, and a real a real");
+    }
+  }
   rig.camera = ReadCamera(root.Map("camera"));
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));

@@ -16,6 +16,7 @@
 #include "drivers/axis_device.h"
 #include "drivers/camera.h"
 #include "drivers/light.h"
+#include "drivers/light_device.h"
 
 namespace gonio {
 
@@ -70,6 +71,8 @@ struct RigConfig {
   MotionConfig motion;
   ExposureConfig exposure;
   RadiometryConfig radiometry;
+  LightDevice light_device;
+  MonitorDevice monitor_device;
   double light_level = 1;       // 0 .. 1
   int dense_brackets = 3;       // frames per pose a dense scan would take, for time estimates
   Seconds dense_exposure{0.3};  // of each of them, on average

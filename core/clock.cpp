@@ -10,7 +10,7 @@ void SystemClock::SleepFor(Seconds duration, std::stop_token stop) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
   std::condition_variable_any condition;
-  condition.wait_for(lock, stop, duration, [] { return false; });
+  condition.wait_for(lock, stop, duration / rate_, [] { return false; });
 }
 
 }  // namespace gonio

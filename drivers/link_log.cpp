@@ -10,34 +10,58 @@
 namespace gonio {
 namespace {
 
-class LoggedLink final : public ByteLink {
+template <typename T>
+Result<T> Noted(Result<T> result, const std::string& link, LinkLog& log) {
+  if (!result) log.Failed(link, result.error().message);
+  return result;
+}
+
+// What came in, or why it did not.
+Result<std::string> Received(Result<std::string> bytes, const std::string& link, LinkLog& log) {
+  if (bytes) log.Received(link, *bytes);
+  return Noted(std::move(bytes), link, log);
+}
+
+class LoggedBytes final : public ByteLink {
  public:
-  LoggedLink(std::unique_ptr<ByteLink> link, std::shared_ptr<LinkLog> log)
+  LoggedBytes(std::unique_ptr<ByteLink> link, std::shared_ptr<LinkLog> log)
       : link_(std::move(link)), log_(std::move(log)) {}
 
   const std::string& name() const override { return link_->name(); }
-
   Result<void> Write(std::string_view bytes, Seconds limit) override {
     log_->Sent(name(), bytes);
-    return Noted(link_->Write(bytes, limit));
+    return Noted(link_->Write(bytes, limit), name(), *log_);
   }
-
   Result<std::string> Read(std::size_t most, Seconds limit) override {
     Result<std::string> bytes = link_->Read(most, limit);
-    if (bytes) log_->Received(name(), *bytes);
-    return Noted(std::move(bytes));
+    // One that only looked whether there is anything has not failed.
+    const bool looked = limit <= Seconds(0) && !bytes && bytes.error().code == ErrorCode::kTimeout;
+    return looked ? bytes : Received(std::move(bytes), name(), *log_);
   }
-
-  Result<void> DiscardInput() override { return Noted(link_->DiscardInput()); }
+  Result<void> DiscardInput() override { return Noted(link_->DiscardInput(), name(), *log_); }
 
  private:
-  template <typename T>
-  Result<T> Noted(Result<T> result) {
-    if (!result) log_->Failed(name(), result.error().message);
-    return result;
-  }
-
   const std::unique_ptr<ByteLink> link_;
+  const std::shared_ptr<LinkLog> log_;
+};
+
+class LoggedMessages final : public MessageLink {
+ public:
+  LoggedMessages(std::unique_ptr<MessageLink> link, std::shared_ptr<LinkLog> log)
+      : link_(std::move(link)), log_(std::move(log)) {}
+
+  const std::string& name() const override { return link_->name(); }
+  Result<void> Write(std::string_view message, Seconds limit) override {
+    log_->Sent(name(), message);
+    return Noted(link_->Write(message, limit), name(), *log_);
+  }
+  Result<std::string> Read(Seconds limit) override {
+    return Received(link_->Read(limit), name(), *log_);
+  }
+  Result<void> Clear() override { return Noted(link_->Clear(), name(), *log_); }
+
+ private:
+  const std::unique_ptr<MessageLink> link_;
   const std::shared_ptr<LinkLog> log_;
 };
 
@@ -90,7 +114,12 @@ std::map<std::string, LinkLog::Count> LinkLog::Counts() const {
 }
 
 std::unique_ptr<ByteLink> Logged(std::unique_ptr<ByteLink> link, std::shared_ptr<LinkLog> log) {
-  return std::make_unique<LoggedLink>(std::move(link), std::move(log));
+  return std::make_unique<LoggedBytes>(std::move(link), std::move(log));
+}
+
+std::unique_ptr<MessageLink> Logged(std::unique_ptr<MessageLink> link,
+                                    std::shared_ptr<LinkLog> log) {
+  return std::make_unique<LoggedMessages>(std::move(link), std::move(log));
 }
 
 }  // namespace gonio

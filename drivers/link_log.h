@@ -15,6 +15,7 @@
 
 #include "core/clock.h"
 #include "drivers/byte_link.h"
+#include "drivers/message_link.h"
 
 namespace gonio {
 
@@ -61,5 +62,7 @@ class LinkLog {
 
 // `link`, every call of which is noted in `log`.
 std::unique_ptr<ByteLink> Logged(std::unique_ptr<ByteLink> link, std::shared_ptr<LinkLog> log);
+std::unique_ptr<MessageLink> Logged(std::unique_ptr<MessageLink> link,
+                                    std::shared_ptr<LinkLog> log);
 
 }  // namespace gonio

@@ -3,12 +3,13 @@
 //
 // As shipped it refuses them twice: they are not listed in /sys/class/tty, and they have no modem
 // lines to ask for (TIOCMGET). An executable that links this file answers both questions itself,
-// for pseudo-terminals only; all else goes to the system as ever. __lxstat is what lstat was called
+// for pseudo-terminals only; all else goes where it would have gone, be that the system or another
+// library that answers for it. __lxstat is what lstat was called
 // when Debian 12's library was built.
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
-#include <sys/syscall.h>
 #include <sys/sysmacros.h>
 #include <sys/types.h>
 #include <unistd.h>
@@ -29,6 +30,12 @@ constexpr std::string_view kTarget = "../../devices/virtual/tty/pts";
 // Majors of /dev/pts/0 and so on (Documentation/admin-guide/devices.txt of Linux).
 constexpr unsigned kFirstMajor = 136;
 constexpr unsigned kLastMajor = 143;
+
+// The function of this name that would have been called without us.
+template <typename Function>
+Function* Next(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_NEXT, name));
+}
 
 bool IsPty(int descriptor) {
   struct stat status = {};
@@ -88,7 +95,8 @@ int ioctl(int descriptor, unsigned long request, ...) noexcept {
   if (about_lines && IsPty(descriptor)) {
     return Lines(descriptor, request, static_cast<int*>(argument));
   }
-  return static_cast<int>(syscall(SYS_ioctl, descriptor, request, argument));
+  static auto* const next = Next<int(int, unsigned long, ...)>("ioctl");
+  return next(descriptor, request, argument);
 }
 
 int lstat(const char* path, struct stat* status) noexcept { return StatusOf(path, status); }
@@ -100,7 +108,8 @@ int __lxstat(int, const char* path, struct stat* status) noexcept {  // NOLINT: 
 ssize_t readlink(const char* path, char* target, size_t size) noexcept {
   const std::string pty = PtyListedAs(path);
   if (pty.empty() || access(pty.c_str(), F_OK) != 0) {
-    return readlinkat(AT_FDCWD, path, target, size);
+    static auto* const next = Next<ssize_t(const char*, char*, size_t)>("readlink");
+    return next(path, target, size);
   }
   const std::size_t count = std::min(size, kTarget.size());
   std::memcpy(target, kTarget.data(), count);

@@ -61,6 +61,25 @@ void OpenAxes(const RigConfig& config, OpenedRig& rig) {
   }
 }
 
+// Those that are not real belong together: a simulated monitor cannot see a real light.
+void OpenLightAndMonitor(const RigFile& file, std::uint64_t seed, OpenedRig& rig) {
+  const LightDevice& light = file.config.light_device;
+  const MonitorDevice& monitor = file.config.monitor_device;
+  if (light.driver == LightDevice::Driver::kSimulated) {
+    auto lamp = std::make_shared<SimLamp>(file.simulation.light_drift_per_hour);
+    rig.devices.light = std::make_unique<SimLight>("light", lamp);
+    rig.devices.monitor = std::make_unique<SimMonitor>(
+        "monitor", lamp, file.simulation.monitor_noise, *rig.clock, Random(seed, kMonitorStream));
+    return;
+  }
+  auto real_light = OpenLight(light, "light", rig.wires);
+  if (!real_light) Refuse(light.where, real_light.error(), *rig.wires);
+  rig.devices.light = std::move(real_light).value();
+  auto real_monitor = OpenMonitor(monitor, "monitor", rig.wires);
+  if (!real_monitor) Refuse(monitor.where, real_monitor.error(), *rig.wires);
+  rig.devices.monitor = std::move(real_monitor).value();
+}
+
 }  // namespace
 
 OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
@@ -69,10 +88,7 @@ OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
   rig.clock = std::move(clock);
   rig.wires = std::make_shared<LinkLog>(rig.clock.get());
   OpenAxes(file.config, rig);
-  auto lamp = std::make_shared<SimLamp>(file.simulation.light_drift_per_hour);
-  rig.devices.light = std::make_unique<SimLight>("light", lamp);
-  rig.devices.monitor = std::make_unique<SimMonitor>("monitor", lamp, file.simulation.monitor_noise,
-                                                     *rig.clock, Random(seed, kMonitorStream));
+  OpenLightAndMonitor(file, seed, rig);
   std::array<Axis*, kAxes> axes{};
   for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
   rig.devices.camera =

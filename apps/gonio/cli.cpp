@@ -200,6 +200,20 @@ Action SetUpDevices(CLI::App& app) {
   return [o] { return DevicesCommand(*o); };
 }
 
+Action SetUpSimDevices(CLI::App& app) {
+  auto o = std::make_shared<SimDevicesOptions>();
+  app.add_option("--rig", o->rig, "Rig file of kind real whose devices to stand in for")
+      ->capture_default_str();
+  app.add_option("--speed", o->speed, "How many times as fast as real ones the doubles move")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("command", o->command,
+                 "-- COMMAND ...: started so that it sees them, and nothing else; without it, your "
+                 "shell");
+  app.positionals_at_end();
+  return [o] { return SimDevicesCommand(*o); };
+}
+
 Action SetUpDoctor(CLI::App& app) {
   auto o = std::make_shared<DoctorOptions>();
   app.add_option("--rig", o->rig,
@@ -229,6 +243,8 @@ constexpr Command kCommands[] = {
     {"render", "Render spheres of reflectances", SetUpRender},
     {"devices", "List what is plugged in: serial ports, and which USB adapter is behind which",
      SetUpDevices},
+    {"sim-devices", "Start doubles of a rig's devices, for the real drivers to be tried on",
+     SetUpSimDevices},
     {"doctor", "What keeps this machine from its devices, and what to do about it", SetUpDoctor},
     {"report", "Show a session as one HTML page with pictures (needs gnuplot)", SetUpReport},
 };

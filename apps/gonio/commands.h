@@ -122,6 +122,14 @@ struct DevicesOptions {
 };
 int DevicesCommand(const DevicesOptions& options);
 
+struct SimDevicesOptions {
+  std::string rig = "bench-wire.yaml";
+  double speed = 1;                  // of the doubles' moves, > 0
+  std::vector<std::string> command;  // that sees them; empty: a shell
+};
+// What the command ended with.
+int SimDevicesCommand(const SimDevicesOptions& options);
+
 struct DoctorOptions {
   std::string rig;   // whose ports are tried, too; empty: none
   std::string json;  // file, or "-" for standard output; empty: text only

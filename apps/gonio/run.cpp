@@ -170,6 +170,7 @@ int RunCommand(const RunOptions& options) {
                          [&](const Progress& progress) { line.Show(progress); });
   }
   ReportFault(summary, options.out);
+  rig.devices = {};  // stops and switches off: the last words on their wires
   if (rig.wires) {
     RecordWires(*rig.wires, summary, log);
     if (summary.outcome == SessionOutcome::kDeviceFault) {

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+// gonio sim-devices: the devices of a real rig, none of which is there, for a program that believes
+// they are.
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+#include "apps/gonio/build_rig.h"
+#include "apps/gonio/commands.h"
+#include "apps/gonio/locate.h"
+#include "core/error.h"
+#include "sim/device_bench.h"
+
+namespace gonio {
+namespace {
+
+BenchDevices DevicesOf(const std::string& file, const RigConfig& rig) {
+  if (rig.simulated) {
+    throw ConfigError(file + ": is a simulated rig, which needs no doubles (kind: real)");
+  }
+  BenchDevices devices;
+  for (int i = 0; i < kAxes; ++i) {
+    devices.axes.push_back(*rig.axis_devices[i]);
+    devices.limits.push_back(rig.axes[i]);
+  }
+  devices.light = rig.light_device;
+  devices.monitor = rig.monitor_device;
+  return devices;
+}
+
+std::vector<std::string> CommandOf(const SimDevicesOptions& options) {
+  if (!options.command.empty()) return options.command;
+  const char* const shell = std::getenv("SHELL");
+  return {shell == nullptr ? "/bin/sh" : shell};
+}
+
+// Sees the bench; ends with the command's exit code.
+int RunOn(std::vector<std::string> command) {
+  ::setenv("LD_PRELOAD", UsbBench::kPreload, 1);
+  std::vector<char*> words;
+  for (std::string& word : command) words.push_back(word.data());
+  words.push_back(nullptr);
+  // Ctrl-C is the command's to obey; the devices stay until it ends.
+  std::signal(SIGINT, SIG_IGN);
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  sigset_t interrupts;
+  sigemptyset(&interrupts);
+  sigaddset(&interrupts, SIGINT);
+  posix_spawnattr_setsigdefault(&attributes, &interrupts);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
+  pid_t child = 0;
+  const int error = ::posix_spawnp(&child, words[0], nullptr, &attributes, words.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  ::unsetenv("LD_PRELOAD");
+  if (error != 0) {
+    throw std::runtime_error(
+        fmt::format("{}: cannot be started: {}", words[0], std::strerror(error)));
+  }
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : kFailed;
+}
+
+}  // namespace
+
+int SimDevicesCommand(const SimDevicesOptions& options) {
+  const RigFile file = LoadRig(LocateConfig(options.rig));
+  const BenchDevices devices = DevicesOf(options.rig, file.config);
+  const DeviceBench bench(devices, std::make_shared<SystemClock>(options.speed));
+  return RunOn(CommandOf(options));
+}
+
+}  // namespace gonio

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole rig of doubles, plugged into a machine that is not there.
+
+#pragma once
+
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "core/clock.h"
+#include "drivers/axis.h"
+#include "drivers/axis_device.h"
+#include "drivers/light_device.h"
+#include "sim/usb_bench.h"
+#include "sim/wire_bench.h"
+
+namespace gonio {
+
+// What a rig file says of its real devices.
+struct BenchDevices {
+  std::vector<AxisDevice> axes;
+  std::vector<AxisLimits> limits;  // of each
+  LightDevice light;
+  MonitorDevice monitor;
+};
+
+// Serial ports appear under the names that the file gives them, by USB serial number or as
+// /dev/NAME; instruments with the serial numbers it asks for. The power meter sees the LED, with a
+// power of `monitor.settings.reference` at full current.
+//
+// Only programs started with UsbBench::kPreload while it lives see it; one bench at a time.
+class DeviceBench {
+ public:
+  // Doubles move in the time of `clock`. Throws ConfigError if a port is neither under /dev nor
+  // given by serial number.
+  DeviceBench(const BenchDevices& devices, std::shared_ptr<Clock> clock);
+  ~DeviceBench();
+
+  // Of the axes, in order: where the mechanism is [rad].
+  double Angle(std::size_t axis) const { return wires_.Angle(axis); }
+
+ private:
+  struct Instruments;
+
+  void PlugPorts();
+
+  WireBench wires_;
+  std::unique_ptr<Instruments> instruments_;
+  UsbBench usb_;
+};
+
+}  // namespace gonio

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+// A whole session of the program as it is shipped, in a process of its own, on doubles that it
+// finds behind libserialport and libusb.
+
+#include <sstream>
+
+#include "acquisition/session_record.h"
+#include "core/file.h"
+#include "core/units.h"
+#include "tests/apps/gonio_process.h"
+
+namespace gonio {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr const char* kGrey = R"(version: 1
+name: grey
+layers:
+  - {kind: lambert, albedo: [0.2, 0.4, 0.6]}
+)";
+
+class SimDevices : public GonioTest {
+ protected:
+  Finished OnBench(const std::string& rig, const std::string& command) {
+    return Shell("\"$GONIO\" sim-devices --speed 50 --rig " + rig + " -- " + command);
+  }
+};
+
+// The messages that wire.log shows, by link.
+std::map<std::string, long> SentIn(const std::string& log) {
+  std::map<std::string, long> sent;
+  std::istringstream lines(log);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::string time, link, word;
+    words >> time >> link >> word;
+    // An instrument's name has three words.
+    while (link.substr(0, 3) == "USB" && word.size() > 1 && words) {
+      link += " " + word;
+      words >> word;
+    }
+    if (word == ">") ++sent[link];
+  }
+  return sent;
+}
+
+TEST_F(SimDevices, ASessionOverTheWiresMeasuresTheSample) {
+  File("grey.yaml", kGrey);
+  const Finished finished = OnBench(
+      "bench-wire.yaml",
+      "\"$GONIO\" run --rig bench-wire.yaml --material grey.yaml --max-poses 4 --out session");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const SessionRecord record = ReadSession(work() / "session");
+  ASSERT_EQ(record.poses.size(), 4u);
+  for (const MeasuredPose& pose : record.poses) {
+    const Rgb miss = (pose.sample.f_r - Rgb(0.2, 0.4, 0.6) / kPi) / pose.sample.sigma;
+    EXPECT_LT(miss.abs().maxCoeff(), 5) << pose.sample.f_r;
+  }
+  const auto& devices = record.info.devices;
+  EXPECT_THAT(devices.at("light_azimuth"), StartsWith("Zaber device 50081"));
+  EXPECT_THAT(devices.at("camera_azimuth"), HasSubstr("K10CR1"));
+  EXPECT_THAT(devices.at("light"), HasSubstr("DC2200"));
+  EXPECT_THAT(devices.at("monitor"), HasSubstr("PM100D"));
+}
+
+TEST_F(SimDevices, EveryExchangeIsInTheLog) {
+  File("grey.yaml", kGrey);
+  ASSERT_EQ(OnBench("bench-wire.yaml",
+                    "\"$GONIO\" run --rig bench-wire.yaml --material grey.yaml --max-poses 2 --out "
+                    "session")
+                .code,
+            0);
+  const auto sent = SentIn(ReadTextFile(work() / "session" / "wire.log"));
+  EXPECT_EQ(sent.size(), 5u);
+  int links = 0;
+  for (const SessionEvent& event : ReadSession(work() / "session").events) {
+    if (event.kind != "wire") continue;
+    ++links;
+    EXPECT_THAT(event.body, HasSubstr("0 calls failed"));
+    const bool found = std::any_of(sent.begin(), sent.end(), [&](const auto& link) {
+      const auto begin = link.first + ": " + std::to_string(link.second) + " messages sent";
+      return event.body.find(begin) != std::string::npos;
+    });
+    EXPECT_TRUE(found) << event.body;
+  }
+  EXPECT_EQ(links, 5);
+}
+
+TEST_F(SimDevices, ADeviceThatIsNotThereIsNamedBeforeAnythingMoves) {
+  std::string rig = ReadTextFile(std::string(GONIO_SOURCE_DIR) + "/configs/bench-wire.yaml");
+  const std::string right = "usb_serial: M00412345";
+  rig.replace(rig.find(right), right.size(), std::string("usb_serial: M00499999"));
+  File("other.yaml", rig);
+  const Finished finished =
+      OnBench("bench-wire.yaml", "\"$GONIO\" run --rig other.yaml --max-poses 2 --out session");
+  ExpectRefused(finished, 2,
+                {"other.yaml:", "light.device", "M00499999: not plugged in", "M00412345"});
+  EXPECT_FALSE(std::filesystem::exists(work() / "session"));
+}
+
+TEST_F(SimDevices, PassesOnWhatTheCommandEndedWith) {
+  EXPECT_EQ(OnBench("bench-wire.yaml", "sh -c 'exit 7'").code, 7);
+  ExpectRefused(OnBench("sim-rig.yaml", "true"), 2, {"is a simulated rig"});
+  ExpectRefused(OnBench("bench-wire.yaml", "no-such-command"), 1,
+                {"no-such-command: cannot be started"});
+}
+
+}  // namespace
+}  // namespace gonio
