@@ -4,6 +4,8 @@
 
 #include <gmock/gmock.h>
 
+#include <deque>
+
 #include "core/units.h"
 #include "sim/apt_emulator.h"
 #include "tests/drivers/wire_axis.h"
@@ -157,6 +159,23 @@ TEST(AptAxis, WaitsUntilTheStatusShowsWhatItWasTold) {
   EXPECT_TRUE(axis->State()->moving);
   EXPECT_EQ(bench.HowItEnded(*axis), "arrived");
   ASSERT_TRUE(axis->Home({}).ok());
+  EXPECT_NEAR(bench.stage.Shaft(), 0, 1e-6);
+}
+
+// Example failure is an axis that is "homed" at the place where its homing was cancelled.
+TEST(AptAxis, DoesNotBelieveAReferenceThatIsBeingLookedForAgain) {
+  AptStage stage;
+  stage.keeps_homed = true;
+  Bench bench(stage);
+  const auto axis = bench.Homed();
+  ASSERT_TRUE(axis->StartMove(2).ok());
+  ASSERT_EQ(bench.HowItEnded(*axis), "arrived");
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(axis->Home(stop.get_token()).error().code, ErrorCode::kCancelled);
+  EXPECT_FALSE(axis->State()->homed);
+  ASSERT_TRUE(axis->Home({}).ok());
+  EXPECT_TRUE(axis->State()->homed);
   EXPECT_NEAR(bench.stage.Shaft(), 0, 1e-6);
 }
 
@@ -330,6 +349,52 @@ TEST_F(AptLink, FindsItsWayAfterGarbage) {
       link.Query(AboutMotor(kReqStatusBits, {.module = 0x21, .channel = 1}), kGetStatusBits);
   ASSERT_TRUE(answer.ok()) << answer.error().message;
   EXPECT_EQ(*answer->data, Hex({1, 0, 2, 0, 0, 0}));
+}
+
+// Says one thing after the other, each as soon as the one before was heard.
+class Chopped final : public ByteLink {
+ public:
+  explicit Chopped(std::deque<std::string> said) : said_(std::move(said)) {}
+  const std::string& name() const override { return name_; }
+  Result<void> Write(std::string_view, Seconds) override {
+    asked_ = true;
+    return {};
+  }
+  Result<std::string> Read(std::size_t, Seconds) override {
+    if (!asked_ || said_.empty()) return Error{ErrorCode::kTimeout, "no answer"};
+    std::string next = said_.front();
+    said_.pop_front();
+    asked_ = !next.empty();
+    if (!asked_) return Error{ErrorCode::kTimeout, "no answer"};
+    return next;
+  }
+  Result<void> DiscardInput() override { return {}; }
+
+ private:
+  std::deque<std::string> said_;  // empty: it waits for the next question
+  bool asked_ = false;
+  const std::string name_ = "chopped";
+};
+
+TEST_F(AptLink, ThrowsGarbageAwayUntilTheLineIsQuiet) {
+  Link link(std::make_unique<Chopped>(std::deque<std::string>{
+      "nonsense", "more nonsense", Bits(0x21, 1, 3), "", Bits(0x21, 1, 5)}));
+  const auto answer =
+      link.Query(AboutMotor(kReqStatusBits, {.module = 0x21, .channel = 1}), kGetStatusBits);
+  ASSERT_TRUE(answer.ok()) << answer.error().message;
+  EXPECT_EQ(*answer->data, Hex({1, 0, 5, 0, 0, 0}));
+}
+
+// Example failure is a driver that throws away what comes right behind an answer.
+TEST_F(AptLink, KeepsErrorsThatFollowAnAnswer) {
+  Link link(std::make_unique<Chopped>(std::deque<std::string>{
+      Bits(0x21, 1, 3) + Hex({0x80, 0, 0, 0, 1, 0x21}), "", Bits(0x21, 1, 5)}));
+  const Message question = AboutMotor(kReqStatusBits, {.module = 0x21, .channel = 1});
+  for (int i = 0; i < 2; ++i) ASSERT_TRUE(link.Query(question, kGetStatusBits).ok());
+  EXPECT_EQ(link.ReportOf(0x21), "its controller reports an error it does not name");
+  EXPECT_EQ(link.ReportOf(0x22), "");
+  link.Forget(0x21);
+  EXPECT_EQ(link.ReportOf(0x21), "");
 }
 
 // What is left of a question that was given up.
