@@ -194,7 +194,8 @@ bool AptEmulator::Move(const Header& header, std::string_view data) {
   if (header.id == 0x0443) {
     faults_ = 0;
     was_homed_ = homed_;
-    homed_ = at_switch_ = false;
+    homed_ = homed_ && stage_.keeps_homed;
+    at_switch_ = false;
     homing_ = true;
     Start(0, stage_.homing_velocity / stage_.velocity_units);
     return true;

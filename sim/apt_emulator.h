@@ -28,6 +28,7 @@ struct AptStage {
   std::int32_t backlash = 1919;           // counts, whenever it is switched on
   double switched_on_at_deg = -50;        // from the reference mark, where it stands at first
   double switch_at_deg = 1e6;  // where a limit switch ends its way; out of reach: there is none
+  bool keeps_homed = false;    // shows as homed while it is homed again
   Seconds sluggish{0};         // until its status shows that it was told to move
 };
 

@@ -167,6 +167,23 @@ TEST(AptAxis, WaitsUntilTheStatusShowsWhatItWasTold) {
   EXPECT_NEAR(bench.stage.Shaft(), 0, 1e-6);
 }
 
+// Example failure is an axis that is "homed" at the place where its homing was cancelled.
+TEST(AptAxis, DoesNotBelieveAReferenceThatIsBeingLookedForAgain) {
+  AptStage stage;
+  stage.keeps_homed = true;
+  Bench bench(stage);
+  const auto axis = bench.Homed();
+  ASSERT_TRUE(axis->StartMove(2).ok());
+  ASSERT_EQ(bench.HowItEnded(*axis), "arrived");
+  std::stop_source stop;
+  stop.request_stop();
+  EXPECT_EQ(axis->Home(stop.get_token()).error().code, ErrorCode::kCancelled);
+  EXPECT_FALSE(axis->State()->homed);
+  ASSERT_TRUE(axis->Home({}).ok());
+  EXPECT_TRUE(axis->State()->homed);
+  EXPECT_NEAR(bench.stage.Shaft(), 0, 1e-6);
+}
+
 // Example failure is a driver that is deaf after a minute.
 TEST(AptAxis, AcknowledgesStatuses) {
   Bench bench;
@@ -270,85 +287,6 @@ TEST(AptAxis, IsStillHomedForTheNextProgram) {
   const auto axis = bench.Open();
   ASSERT_TRUE(axis.ok());
   EXPECT_TRUE((*axis)->State()->homed);
-}
-
-std::string Hex(std::initializer_list<int> bytes) {
-  std::string text;
-  for (const int byte : bytes) text += static_cast<char>(byte);
-  return text;
-}
-// GET_STATUSBITS, with these bits.
-std::string Bits(int source, int channel, int bits) {
-  return Hex({0x2a, 4, 6, 0, 0x81, source, channel, 0, bits, 0, 0, 0});
-}
-
-class AptLink : public testing::Test {
- protected:
-  Result<std::string> Asked(const std::string& said) {
-    PtyServer line([&](std::string_view) { return said; });
-    Link link(OpenedPort(line), kWireReplyLimit);
-    const auto answer =
-        link.Query(AboutMotor(kReqStatusBits, {.module = 0x21, .channel = 1}), kGetStatusBits);
-    if (!answer) return answer.error();
-    return *answer->data;
-  }
-};
-
-// Example failure is a driver of two axes of which one hears the other's position.
-TEST_F(AptLink, TakesTheAnswerByKindModuleAndChannel) {
-  const auto answer = Asked(Bits(0x22, 1, 7) + Bits(0x21, 2, 7) + Hex({0x64, 4, 1, 0, 1, 0x21}) +
-                            Hex({0x91, 4, 1, 0, 1, 0x21}) + Bits(0x21, 1, 5));
-  ASSERT_TRUE(answer.ok()) << answer.error().message;
-  EXPECT_EQ(*answer, Hex({1, 0, 5, 0, 0, 0}));
-}
-
-TEST_F(AptLink, SaysWhatCameInsteadOfAnAnswer) {
-  const auto answer = Asked(Hex({0x29, 6, 1, 0, 1, 0x21}));
-  ASSERT_FALSE(answer.ok());
-  EXPECT_EQ(answer.error().code, ErrorCode::kProtocol);
-  EXPECT_THAT(answer.error().message,
-              HasSubstr("message 0x0629 came instead of an answer, module 0x21, told "
-                        "REQ_STATUSBITS"));
-}
-
-TEST_F(AptLink, SaysThatAMessageBrokeOff) {
-  const auto answer = Asked(Bits(0x21, 1, 5).substr(0, 11));
-  ASSERT_FALSE(answer.ok());
-  EXPECT_EQ(answer.error().code, ErrorCode::kProtocol);
-  EXPECT_THAT(answer.error().message, HasSubstr("a message that broke off"));
-}
-
-TEST_F(AptLink, GivesUpOnADeviceThatTalksNonsense) {
-  const auto answer = Asked(std::string(3000, '#'));
-  ASSERT_FALSE(answer.ok());
-  EXPECT_EQ(answer.error().code, ErrorCode::kProtocol);
-  EXPECT_THAT(answer.error().message, HasSubstr("\"######\" is no message of an APT controller"));
-}
-
-// Without a checksum or a mark at the beginning of messages there is nothing to go by but silence.
-TEST_F(AptLink, FindsItsWayAfterGarbage) {
-  int asked = 0;
-  PtyServer line([&](std::string_view) {
-    ++asked;
-    return (asked == 1 ? Hex({0x2a, 4, 6, 0, 0x81, 0x41}) : std::string()) + Bits(0x21, 1, asked);
-  });
-  Link link(OpenedPort(line), kWireReplyLimit);
-  const auto answer =
-      link.Query(AboutMotor(kReqStatusBits, {.module = 0x21, .channel = 1}), kGetStatusBits);
-  ASSERT_TRUE(answer.ok()) << answer.error().message;
-  EXPECT_EQ(*answer->data, Hex({1, 0, 2, 0, 0, 0}));
-}
-
-// What is left of a question that was given up.
-TEST_F(AptLink, IgnoresWhatCameBeforeItAsked) {
-  PtyServer line([&](std::string_view) { return Bits(0x21, 1, 5); });
-  Link link(OpenedPort(line), kWireReplyLimit);
-  const Message question = AboutMotor(kReqStatusBits, {.module = 0x21, .channel = 1});
-  ASSERT_TRUE(link.Query(question, kGetStatusBits).ok());
-  line.Send(Bits(0x21, 1, 3) + "nonsense");
-  const auto answer = link.Query(question, kGetStatusBits);
-  ASSERT_TRUE(answer.ok()) << answer.error().message;
-  EXPECT_EQ(*answer->data, Hex({1, 0, 5, 0, 0, 0}));
 }
 
 }  // namespace
