@@ -138,11 +138,16 @@ TEST(Esp301Line, PassesOverWhatItDidNotAskFor) {
 // Bare numbers have no names. Example failure is a driver that takes "moving: 1", which comes late,
 // for a position.
 TEST(Esp301Line, DoesNotTakeALateAnswerForTheNextOne) {
-  PtyServer server([](std::string_view bytes) -> std::string {
-    if (bytes == "1MD?\r") return {};
-    if (bytes == "VE?\r") return "1\r\n1\r\nESP301 Version 3.0.1 6/1/99\r\n";  // late, at last
-    if (bytes == "1TP?\r") return "-12.5\r\n";
-    return "0\r\n";
+  std::string late;  // comes before the next answer, whatever is asked
+  PtyServer server([&](std::string_view bytes) -> std::string {
+    if (bytes == "1MD?\r") {
+      late += "1\r\n";
+      return {};
+    }
+    const char* const answer = bytes == "VE?\r"    ? "ESP301 Version 3.0.1 6/1/99\r\n"
+                               : bytes == "1TP?\r" ? "-12.5\r\n"
+                                                   : "0\r\n";
+    return std::exchange(late, {}) + answer;
   });
   Line line(OpenedPort(server), kWireReplyLimit);
   EXPECT_EQ(line.Flag(1, "MD?").error().code, ErrorCode::kTimeout);

@@ -190,11 +190,16 @@ TEST(Gcs2Line, ReadsRepliesOfSeveralLinesButNotWithoutEnd) {
 // Replies do not name the question. Example failure is a driver that takes "servo on: 1=1", which
 // comes late, for a position.
 TEST(Gcs2Line, DoesNotTakeALateReplyForTheNextOne) {
-  PtyServer server([](std::string_view bytes) -> std::string {
-    if (bytes == "SVO? 1\n") return {};
-    if (bytes == "*IDN?\n") return std::string("1=1\n1=1\n") + kIdentity;  // late, at last
-    if (bytes == "POS? 1\n") return "1=-12.5\n";
-    return "0\n";
+  std::string late;  // comes before the next reply, whatever is asked
+  PtyServer server([&](std::string_view bytes) -> std::string {
+    if (bytes == "SVO? 1\n") {
+      late += "1=1\n";
+      return {};
+    }
+    const char* const reply = bytes == "*IDN?\n"    ? kIdentity
+                              : bytes == "POS? 1\n" ? "1=-12.5\n"
+                                                    : "0\n";
+    return std::exchange(late, {}) + reply;
   });
   Line line(OpenedPort(server), kWireReplyLimit);
   EXPECT_EQ(line.Flag(0, "SVO?", "1").error().code, ErrorCode::kTimeout);
@@ -246,6 +251,7 @@ TEST(Gcs2Axis, StopsOneThatKnowsNoHalt) {
   Bench bench(stage);
   const auto axis = bench.Moving();
   EXPECT_TRUE(axis->Stop().ok());
+  EXPECT_LT(bench.stage.Shaft(), 1) << "it has run on to its target of 2";
   EXPECT_FALSE(bench.Turns());
 }
 
