@@ -26,6 +26,9 @@ constexpr Protocol kProtocols[] = {
     {"zaber", AxisProtocol::kZaber, 115200, Flow::kNone, 99, 9, false},
     {"smc100", AxisProtocol::kSmc100, 57600, Flow::kXonXoff, 31, 1, false},
     {"conex-cc", AxisProtocol::kSmc100, 921600, Flow::kXonXoff, 31, 1, false},
+    {"esp301", AxisProtocol::kEsp301, 19200, Flow::kRtsCts, 1, 3, false},
+    // A controller that is not on a daisy chain is 0.
+    {"gcs2", AxisProtocol::kGcs2, 115200, Flow::kNone, 16, 16, false},
     // Addresses are bays of a rack; a controller without bays is 0.
     {"apt", AxisProtocol::kApt, 115200, Flow::kRtsCts, 10, 4, true},
 };
@@ -54,7 +57,9 @@ AxisDevice ReadAxisDevice(const ConfigNode& node) {
   device.port.port = node.Text("port");
   device.port.baud = node.IntegerOr("baud", protocol.baud, 1, 4000000);
   device.port.flow = ReadFlow(node, protocol.flow);
-  const int first = protocol.protocol == AxisProtocol::kApt ? 0 : 1;
+  const bool alone =
+      protocol.protocol == AxisProtocol::kApt || protocol.protocol == AxisProtocol::kGcs2;
+  const int first = alone ? 0 : 1;
   device.address = node.IntegerOr("address", first, first, protocol.addresses);
   if (protocol.needs_stage) device.stage = node.Text("stage");
   device.axis = node.IntegerOr("axis", 1, 1, protocol.axes);

@@ -6,6 +6,9 @@
 #include <utility>
 
 #include "drivers/apt_axis.h"
+#include "drivers/esp301_axis.h"
+#include "drivers/gcs2_axis.h"
+#include "drivers/gcs2_line.h"
 #include "drivers/smc100_axis.h"
 #include "drivers/zaber_axis.h"
 #include "drivers/zaber_chain.h"
@@ -29,6 +32,13 @@ struct OpenOn {
         .module = device.address == 0 ? apt::kUsbUnit : apt::kFirstBay + device.address - 1,
         .channel = device.axis};
     return apt::OpenAxis(link, motor, device.stage, settings, clock);
+  }
+  Result<std::unique_ptr<Axis>> operator()(const std::shared_ptr<esp301::Line>& line) const {
+    return esp301::OpenAxis(line, {.axis = device.axis}, settings, clock);
+  }
+  Result<std::unique_ptr<Axis>> operator()(const std::shared_ptr<gcs2::Line>& line) const {
+    return gcs2::OpenAxis(line, {.controller = device.address, .axis = std::to_string(device.axis)},
+                          settings, clock);
   }
 };
 
@@ -75,6 +85,10 @@ Result<AxisOpener::Line> AxisOpener::OpenLine(const AxisDevice& device) {
       return Line(std::make_shared<smc100::Line>(std::move(link)));
     case AxisProtocol::kApt:
       return Line(std::make_shared<apt::Link>(std::move(link)));
+    case AxisProtocol::kEsp301:
+      return Line(std::make_shared<esp301::Line>(std::move(link)));
+    case AxisProtocol::kGcs2:
+      return Line(std::make_shared<gcs2::Line>(std::move(link)));
   }
   GONIO_CHECK(false, "a protocol of AxisProtocol");
 }

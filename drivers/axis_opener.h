@@ -17,6 +17,12 @@ namespace gonio {
 namespace apt {
 class Link;
 }
+namespace esp301 {
+class Line;
+}
+namespace gcs2 {
+class Line;
+}
 namespace smc100 {
 class Line;
 }
@@ -37,7 +43,8 @@ class AxisOpener {
 
  private:
   using Line = std::variant<std::shared_ptr<zaber::Chain>, std::shared_ptr<smc100::Line>,
-                            std::shared_ptr<apt::Link>>;
+                            std::shared_ptr<apt::Link>, std::shared_ptr<esp301::Line>,
+                            std::shared_ptr<gcs2::Line>>;
   struct Opened {
     AxisDevice by;
     Line line;

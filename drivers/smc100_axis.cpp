@@ -27,7 +27,7 @@ class Controller final : public MotionController {
   Result<void> StartMove(double position) override {
     return line_->Command(address_, fmt::format("PA{:.6f}", position));
   }
-  Result<void> StartStop() override;
+  Result<void> StartStop() override { return line_->Stop(address_); }
   // It knows one way of stopping.
   Result<void> StartEmergencyStop() override { return StartStop(); }
 
@@ -63,13 +63,6 @@ Result<void> Controller::StartHoming() {
   const Result<ControllerStatus> status = Status();
   if (!status) return status.error();
   return status->homed ? Result<void>() : line_->Command(address_, "OR");
-}
-
-// Refused where there is nothing to stop, as without a reference: whether it stands is asked
-// anyway.
-Result<void> Controller::StartStop() {
-  const Result<void> told = line_->Command(address_, "ST");
-  return told || told.error().code != ErrorCode::kRefused ? told : Result<void>();
 }
 
 Result<void> Controller::Identify() {
@@ -132,6 +125,14 @@ Result<void> Line::Command(int address, const std::string& command) {
   if (why.empty()) return {};
   return Error{ErrorCode::kRefused,
                fmt::format("{}: address {} refused {}: {}", link_->name(), address, command, why)};
+}
+
+Result<void> Line::Stop(int address) {
+  const std::lock_guard lock(mutex_);
+  const auto sent = link_->Write(Encode(address, "ST"), reply_limit_);
+  if (!sent) return sent;
+  const Result<std::string> error = Exchange(address, "TE", "");
+  return error ? Result<void>() : error.error();
 }
 
 Result<std::string> Line::Exchange(int address, const std::string& command,

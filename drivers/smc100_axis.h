@@ -27,6 +27,9 @@ class Line {
   // A command answers nothing, and one that is not obeyed is passed over in silence: so its error
   // is asked for (TE). kRefused: that says why not.
   Result<void> Command(int address, const std::string& command);
+  // Brakes: sent before anything is asked, and never kRefused, as it is where there is nothing to
+  // stop.
+  Result<void> Stop(int address);
 
  private:
   Result<std::string> Exchange(int address, const std::string& command,

@@ -35,8 +35,8 @@ void PtyServer::Serve() {
     const std::string bytes = pty_.Receive(kPatience);
     if (bytes.empty()) continue;
     std::string answer = device_(bytes);
-    if (silent_ || answer.size() < 2) continue;
-    if (garbled_ > 0) {
+    if (silent_ || answer.empty()) continue;
+    if (garbled_ > 0 && answer.size() > 1) {
       --garbled_;
       answer[1] ^= 2;
     }

@@ -8,6 +8,8 @@
 #include "core/check.h"
 #include "core/units.h"
 #include "sim/apt_emulator.h"
+#include "sim/esp301_emulator.h"
+#include "sim/gcs2_emulator.h"
 #include "sim/smc100_emulator.h"
 #include "sim/zaber_emulator.h"
 
@@ -39,10 +41,11 @@ ZaberStage ZaberFor(const AxisDevice& device, const AxisLimits& limits) {
   return stage;
 }
 
-Smc100Stage Smc100For(const AxisDevice& device, const AxisLimits& limits) {
+// A stage of one of the controllers that count in degrees.
+template <typename Stage>
+Stage Roomy(const AxisDevice& device, const AxisLimits& limits) {
   const Span span = SpanOf(device, limits);
-  Smc100Stage stage;
-  stage.address = device.address;
+  Stage stage;
   stage.least_deg = span.least;
   stage.most_deg = span.most;
   stage.fastest_deg_s = std::max(stage.fastest_deg_s, 2 * DegFromRad(limits.max_speed));
@@ -75,10 +78,25 @@ void WireBench::Add(const AxisDevice& device, const AxisLimits& limits) {
   switch (device.protocol) {
     case AxisProtocol::kZaber:
       return AddEmulator<ZaberEmulator>(device, ZaberFor(device, limits));
-    case AxisProtocol::kSmc100:
-      return AddEmulator<Smc100Emulator>(device, Smc100For(device, limits));
+    case AxisProtocol::kSmc100: {
+      auto stage = Roomy<Smc100Stage>(device, limits);
+      stage.address = device.address;
+      return AddEmulator<Smc100Emulator>(device, stage);
+    }
     case AxisProtocol::kApt:
       return AddEmulator<AptEmulator>(device, AptFor(device, limits));
+    case AxisProtocol::kEsp301: {
+      auto stage = Roomy<Esp301Stage>(device, limits);
+      stage.axis = device.axis;
+      return AddEmulator<Esp301Emulator>(device, stage);
+    }
+    case AxisProtocol::kGcs2: {
+      auto stage = Roomy<Gcs2Stage>(device, limits);
+      stage.address = device.address;
+      stage.axis = std::to_string(device.axis);
+      stage.axes = {stage.axis};
+      return AddEmulator<Gcs2Emulator>(device, stage);
+    }
   }
 }
 
