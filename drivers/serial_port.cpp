@@ -205,16 +205,16 @@ Error SerialPort::TooLate(const Deadline& deadline, const char* doing) const {
 Result<void> SerialPort::Write(std::string_view bytes, Seconds limit) {
   const Deadline deadline(limit);
   constexpr const char* kDoing = "not all bytes were taken";
-  while (!bytes.empty()) {
-    const Result<void> ready = WaitFor(POLLOUT, deadline, kDoing);
-    if (!ready) return ready;
+  while (!gone_) {
     const sp_return taken = sp_nonblocking_write(handle_->port, bytes.data(), bytes.size());
-    if (taken < 0) return Gone();
+    if (taken < 0) break;
     bytes.remove_prefix(static_cast<std::size_t>(taken));
+    if (bytes.empty()) return {};
     // Room that is announced need not be there.
-    if (!bytes.empty() && deadline.Left() <= Seconds(0)) return TooLate(deadline, kDoing);
+    if (deadline.Left() <= Seconds(0)) return TooLate(deadline, kDoing);
+    if (const Result<void> ready = WaitFor(POLLOUT, deadline, kDoing); !ready) return ready;
   }
-  return {};
+  return Gone();
 }
 
 Result<std::string> SerialPort::Read(std::size_t most, Seconds limit) {

@@ -5,6 +5,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 namespace gonio {
 
@@ -12,7 +13,11 @@ std::string Quoted(std::string_view bytes, std::size_t most) {
   std::string text = "\"";
   for (const char c : bytes.substr(0, most)) {
     const auto byte = static_cast<unsigned char>(c);
-    text += byte >= 0x20 && byte < 0x7f ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
+    if (byte >= 0x20 && byte < 0x7f) {
+      text += c;
+    } else {
+      fmt::format_to(std::back_inserter(text), "\\x{:02x}", byte);
+    }
   }
   return text + (bytes.size() > most ? "...\"" : "\"");
 }
