@@ -380,9 +380,10 @@ void GrblEmulator::HitLimitSwitch() {
   Say("[MSG:Reset to continue]");
 }
 
-void GrblEmulator::PressHold() {
+void GrblEmulator::Press(char button) {
   const std::lock_guard lock(mutex_);
-  Take('!');
+  Advance();
+  Take(button);
 }
 
 void GrblEmulator::LoseSwitches() {

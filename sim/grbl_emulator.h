@@ -50,7 +50,7 @@ class GrblEmulator {
   void Reset();                // power fails and comes back, or its port was opened
   void CutMotorPower();        // falls asleep: motors off until it is reset
   void HitLimitSwitch();       // stands; takes nothing but a reset
-  void PressHold();            // the button
+  void Press(char button);     // '!' hold, 0x18 reset: buttons do what the bytes do
   void LoseSwitches();         // homing finds none from now on
   void HoldBack(int answers);  // to the next so many lines, until it answers the one after
 

@@ -168,12 +168,20 @@ TEST_F(GrblFaults, AResetButtonPressedOnTheWayCostsThePosition) {
   const auto axis = Homed();
   ASSERT_TRUE(axis->StartMove(-1).ok());
   clock_->SleepFor(Seconds(0.5));
-  board_->Receive("\x18");  // what it says to that is lost
-  EXPECT_EQ(WhyNotThere(*axis), "arm: lost its reference on the way");
+  board_->Press('\x18');
+  EXPECT_EQ(WhyNotThere(*axis), "arm: a move ended: alarm 3, reset while it moved");
+  EXPECT_EQ(axis->StartMove(1).error().message,
+            "arm: is not homed since: alarm 3, reset while it moved");
+}
+
+// It is idle after that, and not locked.
+TEST_F(GrblFaults, AResetButtonPressedAtRestCostsThePosition) {
+  const auto axis = Homed();
+  board_->Press('\x18');
+  EXPECT_FALSE(axis->State()->homed);
   EXPECT_EQ(axis->StartMove(1).error().message, "arm: is not homed");
 }
 
-// "Idle" after it, with a counter that knows nothing of the steps that were lost.
 TEST_F(GrblFaults, AnEmergencyStopCostsThePosition) {
   const auto axis = Homed();
   ASSERT_TRUE(axis->StartMove(-1).ok());
@@ -189,7 +197,7 @@ TEST_F(GrblFaults, AnEmergencyStopCostsThePosition) {
 
 TEST_F(GrblFaults, AHeldMachineIsNotSentOnItsWay) {
   const auto axis = Homed();
-  board_->PressHold();
+  board_->Press('!');
   EXPECT_EQ(axis->StartMove(1).error().message, "arm: is not homed since: it is in a feed hold");
   EXPECT_TRUE(axis->Home({}).ok());
   EXPECT_TRUE(axis->StartMove(1).ok());
