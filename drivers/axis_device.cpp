@@ -27,6 +27,7 @@ constexpr Protocol kProtocols[] = {
     {"smc100", AxisProtocol::kSmc100, 57600, Flow::kXonXoff, 31, 1, false},
     {"conex-cc", AxisProtocol::kSmc100, 921600, Flow::kXonXoff, 31, 1, false},
     {"esp301", AxisProtocol::kEsp301, 19200, Flow::kRtsCts, 1, 3, false},
+    {"grbl", AxisProtocol::kGrbl, 115200, Flow::kNone, 1, 4, false},
     // A controller that is not on a daisy chain is 0.
     {"gcs2", AxisProtocol::kGcs2, 115200, Flow::kNone, 16, 16, false},
     // Addresses are bays of a rack; a controller without bays is 0.

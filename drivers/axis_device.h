@@ -10,7 +10,7 @@
 
 namespace gonio {
 
-enum class AxisProtocol { kZaber, kSmc100, kApt, kEsp301, kGcs2 };
+enum class AxisProtocol { kZaber, kSmc100, kApt, kEsp301, kGcs2, kGrbl };
 
 struct AxisDevice {
   std::string where;  // in the rig file: "rig.yaml:14: axes.light_azimuth.device"

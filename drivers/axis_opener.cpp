@@ -9,6 +9,7 @@
 #include "drivers/esp301_axis.h"
 #include "drivers/gcs2_axis.h"
 #include "drivers/gcs2_line.h"
+#include "drivers/grbl_axis.h"
 #include "drivers/smc100_axis.h"
 #include "drivers/zaber_axis.h"
 #include "drivers/zaber_chain.h"
@@ -39,6 +40,9 @@ struct OpenOn {
   Result<std::unique_ptr<Axis>> operator()(const std::shared_ptr<gcs2::Line>& line) const {
     return gcs2::OpenAxis(line, {.controller = device.address, .axis = std::to_string(device.axis)},
                           settings, clock);
+  }
+  Result<std::unique_ptr<Axis>> operator()(const std::shared_ptr<grbl::Machine>& machine) const {
+    return grbl::OpenAxis(machine, "XYZA"[device.axis - 1], settings, clock);
   }
 };
 
@@ -87,6 +91,10 @@ Result<AxisOpener::Line> AxisOpener::OpenLine(const AxisDevice& device) {
       return Line(std::make_shared<apt::Link>(std::move(link)));
     case AxisProtocol::kEsp301:
       return Line(std::make_shared<esp301::Line>(std::move(link)));
+    case AxisProtocol::kGrbl: {
+      auto machine = grbl::Machine::Open(std::move(link), clock_, {});
+      return machine ? Result<Line>(*machine) : machine.error();
+    }
     case AxisProtocol::kGcs2:
       return Line(std::make_shared<gcs2::Line>(std::move(link)));
   }

@@ -23,6 +23,9 @@ class Line;
 namespace gcs2 {
 class Line;
 }
+namespace grbl {
+class Machine;
+}
 namespace smc100 {
 class Line;
 }
@@ -44,7 +47,7 @@ class AxisOpener {
  private:
   using Line = std::variant<std::shared_ptr<zaber::Chain>, std::shared_ptr<smc100::Line>,
                             std::shared_ptr<apt::Link>, std::shared_ptr<esp301::Line>,
-                            std::shared_ptr<gcs2::Line>>;
+                            std::shared_ptr<gcs2::Line>, std::shared_ptr<grbl::Machine>>;
   struct Opened {
     AxisDevice by;
     Line line;

@@ -10,8 +10,11 @@ constexpr Seconds kPatience{0.02};  // how late the end may be noticed
 
 }  // namespace
 
-PtyServer::PtyServer(Device device)
-    : device_(std::move(device)), path_(pty_.path()), thread_([this] { Serve(); }) {}
+PtyServer::PtyServer(Device device, Unasked unasked)
+    : device_(std::move(device)),
+      unasked_(std::move(unasked)),
+      path_(pty_.path()),
+      thread_([this] { Serve(); }) {}
 
 PtyServer::~PtyServer() { HangUp(); }
 
@@ -33,8 +36,8 @@ void PtyServer::Garble(int answers) { garbled_ = answers; }
 void PtyServer::Serve() {
   while (!ended_) {
     const std::string bytes = pty_.Receive(kPatience);
-    if (bytes.empty()) continue;
-    std::string answer = device_(bytes);
+    if (bytes.empty() && !unasked_) continue;
+    std::string answer = bytes.empty() ? unasked_() : device_(bytes);
     if (silent_ || answer.empty()) continue;
     if (garbled_ > 0 && answer.size() > 1) {
       --garbled_;

@@ -15,12 +15,15 @@
 namespace gonio {
 
 // Hands what a program sends to `device`, byte runs as they come, and sends back what it answers,
-// on a thread of its own until destroyed.
+// on a thread of its own until destroyed; between them what it has to say unasked.
 class PtyServer {
  public:
   using Device = std::function<std::string(std::string_view bytes)>;
 
-  explicit PtyServer(Device device);
+  // What a device says without being asked; called many times a second. Empty: nothing.
+  using Unasked = std::function<std::string()>;
+
+  explicit PtyServer(Device device, Unasked unasked = {});
   ~PtyServer();
 
   const std::string& path() const { return path_; }
@@ -38,6 +41,7 @@ class PtyServer {
 
   Device device_;
   std::mutex sending_;  // what is sent at once stays together
+  Unasked unasked_;
   Pty pty_;
   std::string path_;
   std::atomic<bool> ended_ = false;

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/wire_bench.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "core/check.h"
+#include "core/error.h"
 #include "core/units.h"
 #include "sim/apt_emulator.h"
 #include "sim/esp301_emulator.h"
@@ -90,6 +93,8 @@ void WireBench::Add(const AxisDevice& device, const AxisLimits& limits) {
       stage.axis = device.axis;
       return AddEmulator<Esp301Emulator>(device, stage);
     }
+    case AxisProtocol::kGrbl:
+      return AddGrbl(device, limits);
     case AxisProtocol::kGcs2: {
       auto stage = Roomy<Gcs2Stage>(device, limits);
       stage.address = device.address;
@@ -100,8 +105,32 @@ void WireBench::Add(const AxisDevice& device, const AxisLimits& limits) {
   }
 }
 
+// Its coordinates end at 0, where the limit switches are.
+void WireBench::AddGrbl(const AxisDevice& device, const AxisLimits& limits) {
+  std::shared_ptr<Board>& board = boards_[device.port.port];
+  if (!board) board = std::make_shared<Board>();
+  const int index = device.axis - 1;
+  if (index >= GrblBoard::kAxes) {
+    throw ConfigError(
+        fmt::format("{}: emulated boards have {} axes", device.where, GrblBoard::kAxes));
+  }
+  auto& settings = board->settings.settings;
+  settings[110 + index] = 120 * DegFromRad(limits.max_speed);  // deg/min
+  settings[120 + index] = DegFromRad(limits.acceleration);
+  settings[130 + index] = -SpanOf(device, limits).least;
+  axes_.push_back({device.port.port, [board, device, index] {
+                     return device.zero + (device.turned ? -1 : 1) * board->emulator->Shaft(index);
+                   }});
+}
+
 // Everybody on a line hears everything, and those who are meant answer.
 void WireBench::Serve() {
+  for (const auto& [port, board] : boards_) {
+    board->emulator = std::make_shared<GrblEmulator>(board->settings, clock_);
+    lines_[port] = std::make_unique<PtyServer>(
+        [board](std::string_view bytes) { return board->emulator->Receive(bytes); },
+        [board] { return board->emulator->Unasked(); });
+  }
   for (const auto& [port, controllers] : controllers_) {
     lines_[port] = std::make_unique<PtyServer>([controllers](std::string_view bytes) {
       std::string answers;

@@ -12,6 +12,7 @@
 #include "core/clock.h"
 #include "drivers/axis.h"
 #include "drivers/axis_device.h"
+#include "sim/grbl_emulator.h"
 #include "sim/pty_server.h"
 
 namespace gonio {
@@ -42,12 +43,20 @@ class WireBench {
     std::function<double()> angle;
   };
 
+  // The axes of one board are added one by one, and then it is made.
+  struct Board {
+    GrblBoard settings;
+    std::shared_ptr<GrblEmulator> emulator;
+  };
+
+  void AddGrbl(const AxisDevice& device, const AxisLimits& limits);
   template <typename Emulator, typename Settings>
   void AddEmulator(const AxisDevice& device, const Settings& settings);
 
   std::shared_ptr<Clock> clock_;
   std::vector<Stage> axes_;
   std::map<std::string, std::vector<Receive>> controllers_;  // by port
+  std::map<std::string, std::shared_ptr<Board>> boards_;     // the same
   std::map<std::string, std::unique_ptr<PtyServer>> lines_;
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drivers/axis_device.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "core/units.h"
@@ -95,6 +96,40 @@ TEST_F(AxisOpenerTest, NamesTheAxisWhosePortIsNotThere) {
   EXPECT_EQ(opener_.Open(device_, ArmSettings()).error().message,
             "arm: /dev/gone: no such serial port; gonio devices lists those there are");
 }
+
+struct Named {
+  const char* driver;  // and what it needs in a rig file
+  double zero = 0;
+};
+
+class EveryDriver : public testing::TestWithParam<Named> {};
+
+// From the rig file to a move. Example failure is a driver that nobody can name.
+TEST_P(EveryDriver, OpensAndMovesItsDouble) {
+  AxisDevice device = Read(fmt::format("device: {{{}, port: line}}", GetParam().driver));
+  device.zero = GetParam().zero;
+  auto clock = std::make_shared<ManualClock>();
+  WireBench bench(clock);
+  bench.Add(device, ArmSettings().limits);
+  bench.Serve();
+  device.port.port = bench.PathOf(0);
+  AxisOpener opener(clock.get(), std::make_shared<LinkLog>(clock.get()));
+  ControllerAxisSettings settings = ArmSettings();
+  settings.limits.position_tolerance = 1e-3;
+  const auto axis = opener.Open(device, settings);
+  ASSERT_TRUE(axis.ok()) << axis.error().message;
+  ASSERT_TRUE((*axis)->Home({}).ok());
+  ASSERT_TRUE((*axis)->StartMove(1.5).ok());
+  ASSERT_TRUE((*axis)->WaitUntilStill(Seconds(60), {}).ok());
+  EXPECT_NEAR(bench.Angle(0), 1.5, 1e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Axes, EveryDriver,
+    testing::Values(Named{"driver: zaber"}, Named{"driver: smc100"}, Named{"driver: conex-cc"},
+                    Named{"driver: esp301, axis: 2"}, Named{"driver: apt, stage: PRM1-Z8"},
+                    Named{"driver: apt, stage: K10CR1"}, Named{"driver: gcs2"},
+                    Named{"driver: gcs2, address: 3"}, Named{"driver: grbl, axis: 2", 2.6}));
 
 // A cable in the wrong socket. Example failure is a driver that opens whatever answers.
 TEST_F(AxisOpenerTest, RefusesAnotherKindOfController) {

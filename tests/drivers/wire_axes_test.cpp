@@ -9,11 +9,13 @@
 #include "drivers/apt_axis.h"
 #include "drivers/esp301_axis.h"
 #include "drivers/gcs2_axis.h"
+#include "drivers/grbl_axis.h"
 #include "drivers/smc100_axis.h"
 #include "drivers/zaber_axis.h"
 #include "sim/apt_emulator.h"
 #include "sim/esp301_emulator.h"
 #include "sim/gcs2_emulator.h"
+#include "sim/grbl_emulator.h"
 #include "sim/smc100_emulator.h"
 #include "sim/zaber_emulator.h"
 #include "tests/conformance/axis.h"
@@ -118,6 +120,33 @@ WireSubject Gcs2(bool turned) {
   return subject;
 }
 
+// Its coordinates end at 0, so that it has a zero of its own.
+WireSubject Grbl(bool turned) {
+  const double zero = turned ? -2.1 : 2.6;
+  WireSubject subject;
+  auto board = std::make_shared<GrblEmulator>(GrblBoard{}, subject.clock);
+  subject.mark_to_shaft = [=] { return board->Shaft() + (turned ? -1 : 1) * (zero - kZero); };
+  subject.lose_power = [board] { board->Reset(); };
+  subject.cut_motor_power = [board] { board->CutMotorPower(); };
+  subject.stop_by_hand = [board] { board->Receive("\x85"); };
+  subject.garbled_stop = std::nullopt;  // nothing answers it
+  subject.line =
+      std::make_shared<PtyServer>([board](std::string_view bytes) { return board->Receive(bytes); },
+                                  [board] { return board->Unasked(); });
+  auto port = OpenedPort(*subject.line);
+  board->Reset();
+  auto machine = grbl::Machine::Open(std::move(port), subject.clock.get(),
+                                     {.reply = kWireReplyLimit, .boot = Seconds(5)});
+  EXPECT_TRUE(machine.ok()) << machine.error().message;
+  ControllerAxisSettings settings = ArmSettings();
+  settings.scale.zero = zero;
+  settings.scale.turned = turned;
+  auto axis = grbl::OpenAxis(*machine, 'X', settings, subject.clock.get());
+  EXPECT_TRUE(axis.ok()) << axis.error().message;
+  subject.axis = std::move(axis).value();
+  return subject;
+}
+
 AxisFactory Promised(const WireFactory& make, bool turned) {
   return [make, turned] {
     WireSubject wire = make(turned);
@@ -145,6 +174,8 @@ INSTANTIATE_TEST_SUITE_P(Esp301, AxisConformance,
                          testing::Values(Promised(Esp301, false), Promised(Esp301, true)));
 INSTANTIATE_TEST_SUITE_P(Gcs2, AxisConformance,
                          testing::Values(Promised(Gcs2, false), Promised(Gcs2, true)));
+INSTANTIATE_TEST_SUITE_P(Grbl, AxisConformance,
+                         testing::Values(Promised(Grbl, false), Promised(Grbl, true)));
 
 class WireFaults : public testing::TestWithParam<WireFactory> {
  protected:
@@ -236,6 +267,7 @@ INSTANTIATE_TEST_SUITE_P(AptServo, WireFaults, testing::Values(AptServo));
 INSTANTIATE_TEST_SUITE_P(AptStepper, WireFaults, testing::Values(AptStepper));
 INSTANTIATE_TEST_SUITE_P(Esp301, WireFaults, testing::Values(Esp301));
 INSTANTIATE_TEST_SUITE_P(Gcs2, WireFaults, testing::Values(Gcs2));
+INSTANTIATE_TEST_SUITE_P(Grbl, WireFaults, testing::Values(Grbl));
 
 }  // namespace
 }  // namespace gonio
