@@ -25,7 +25,13 @@ class Light {
   virtual Result<double> Level() = 0;
 };
 
-// A power meter that sees a constant fraction of the light.
+// A power meter that sees a constant fraction of the light. Promises, checked by
+// tests/conformance/monitor.h:
+//
+//   1. Read() returns what falls on it between its call and its return, never an older reading.
+//   2. What it is, and with which settings it measures, is read from the device.
+//
+// One thread. Errors as in axis.h; a reading that is none (over range) is kRefused.
 class Monitor {
  public:
   virtual ~Monitor() = default;

@@ -15,7 +15,7 @@ namespace {
 
 Error Refused(std::string message) { return {ErrorCode::kRefused, std::move(message)}; }
 
-// libusb takes 0 for "for ever".
+// Of a limit above 0, which libusb takes for "for ever".
 unsigned Milliseconds(Seconds limit) {
   constexpr double kMost = 1e9;
   return static_cast<unsigned>(std::clamp(std::ceil(1000 * limit.count()), 1.0, kMost));
@@ -271,6 +271,7 @@ Error UsbInterface::Failed(int result, const char* doing, Seconds limit) {
 Result<void> UsbInterface::Write(std::string_view bytes, Seconds limit) {
   constexpr const char* kDoing = "not all bytes were taken";
   if (gone_) return Failed(LIBUSB_ERROR_NO_DEVICE, kDoing, limit);
+  if (limit <= Seconds(0)) return Failed(LIBUSB_ERROR_TIMEOUT, kDoing, limit);
   std::string copy(bytes);  // libusb's are not const
   int taken = 0;
   const int result = libusb_bulk_transfer(
@@ -284,6 +285,7 @@ Result<void> UsbInterface::Write(std::string_view bytes, Seconds limit) {
 Result<std::string> UsbInterface::Read(std::size_t most, Seconds limit) {
   constexpr const char* kDoing = "no answer";
   if (gone_) return Failed(LIBUSB_ERROR_NO_DEVICE, kDoing, limit);
+  if (limit <= Seconds(0)) return Failed(LIBUSB_ERROR_TIMEOUT, kDoing, limit);
   std::string bytes(most, '\0');
   int count = 0;
   const int result = libusb_bulk_transfer(handle_->device.get(), handle_->in,
@@ -298,6 +300,7 @@ Result<std::string> UsbInterface::Ask(std::uint8_t request, std::uint16_t value,
                                       std::uint16_t most, Seconds limit) {
   constexpr const char* kDoing = "no answer to a class request";
   if (gone_) return Failed(LIBUSB_ERROR_NO_DEVICE, kDoing, limit);
+  if (limit <= Seconds(0)) return Failed(LIBUSB_ERROR_TIMEOUT, kDoing, limit);
   const int recipient =
       about == About::kInterface ? LIBUSB_RECIPIENT_INTERFACE : LIBUSB_RECIPIENT_ENDPOINT;
   const int type = int{LIBUSB_ENDPOINT_IN} | int{LIBUSB_REQUEST_TYPE_CLASS} | recipient;

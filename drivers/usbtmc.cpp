@@ -60,7 +60,7 @@ Result<void> UsbtmcDevice::Write(std::string_view message, Seconds limit) {
     message.remove_prefix(part.size());
     const auto sent =
         usb_->Write(usbtmc::EncodeOut(NewTag(), part, message.empty()), deadline.Left());
-    if (!sent) return AfterFailedWrite(sent.error());
+    if (!sent) return AfterFailedWrite(InAll(sent.error(), "not all bytes were taken", deadline));
   } while (!message.empty());
   return {};
 }
@@ -75,17 +75,17 @@ Result<std::string> UsbtmcDevice::ReadParts(const Deadline& deadline) {
   while (true) {
     const auto asked =
         usb_->Write(usbtmc::EncodeRequestIn(NewTag(), kTransferBytes), deadline.Left());
-    if (!asked) return AfterFailedWrite(asked.error());
+    const char* const missing = message.empty() ? "no answer" : "no end of the answer";
+    // Neither what was asked nor what was answered so far is known then.
+    if (!asked) return AfterNonsense(InAll(asked.error(), missing, deadline));
     const auto part = ReadPart(deadline);
-    if (!part && part.error().code == ErrorCode::kTimeout) {
-      return AfterFailedRead(
-          {ErrorCode::kTimeout, fmt::format("{}: no {} within {:.3g} s", name(),
-                                            message.empty() ? "answer" : "end of the answer",
-                                            deadline.limit().count())});
+    if (!part) {
+      const Error error = InAll(part.error(), missing, deadline);
+      // An abort ends the transfer that was asked for, not the message it is a part of.
+      return message.empty() ? AfterFailedRead(error) : AfterNonsense(error);
     }
-    if (!part) return AfterFailedRead(part.error());
     message += part->payload;
-    if (part->last) return message;
+    if (part->last && message.size() <= kMostBytes) return message;
     if (message.size() > kMostBytes) {
       return AfterFailedRead({ErrorCode::kProtocol, fmt::format("{}: {} bytes and no end of the "
                                                                 "answer",
@@ -194,12 +194,16 @@ Result<void> UsbtmcDevice::AbortOut(const Deadline& deadline) {
 }
 
 Error UsbtmcDevice::AfterFailedRead(const Error& error) {
-  if (error.code == ErrorCode::kDisconnected) return error;
+  if (error.code != ErrorCode::kTimeout) return AfterNonsense(error);
   const Deadline deadline(kRecoveryLimit);
-  // Nobody knows what a device is about whose answer made no sense.
-  auto recovery = error.code == ErrorCode::kTimeout ? AbortIn(deadline) : ClearAll(deadline);
-  if (!recovery && error.code == ErrorCode::kTimeout) recovery = ClearAll(deadline);
+  auto recovery = AbortIn(deadline);
+  if (!recovery) recovery = ClearAll(deadline);
   return Outcome(error, recovery);
+}
+
+Error UsbtmcDevice::AfterNonsense(const Error& error) {
+  if (error.code == ErrorCode::kDisconnected) return error;
+  return Outcome(error, ClearAll(Deadline(kRecoveryLimit)));
 }
 
 Result<void> UsbtmcDevice::AbortIn(const Deadline& deadline) {
@@ -237,6 +241,12 @@ Error UsbtmcDevice::Outcome(const Error& error, const Result<void>& recovery) {
   stuck_ = true;
   return {error.code, fmt::format("{}, and it could not be cleared: {}", error.message,
                                   recovery.error().message)};
+}
+
+Error UsbtmcDevice::InAll(const Error& error, const char* missing, const Deadline& deadline) const {
+  if (error.code != ErrorCode::kTimeout) return error;
+  return {error.code,
+          fmt::format("{}: {} within {:.3g} s", name(), missing, deadline.limit().count())};
 }
 
 Error UsbtmcDevice::About(const Error& error) const {

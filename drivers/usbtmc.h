@@ -68,10 +68,13 @@ class UsbtmcDevice final : public MessageLink {
   // What is left of `error` after everything was done that lets the next message through.
   Error AfterFailedWrite(const Error& error);
   Error AfterFailedRead(const Error& error);
+  Error AfterNonsense(const Error& error);
   Result<void> AbortOut(const Deadline& deadline);
   Result<void> AbortIn(const Deadline& deadline);
   Result<void> ClearAll(const Deadline& deadline);
   Error Outcome(const Error& error, const Result<void>& recovery);
+  // A time-out of one transfer, told as that of the whole message.
+  Error InAll(const Error& error, const char* missing, const Deadline& deadline) const;
   Error About(const Error& error) const;
 
   std::mutex mutex_;

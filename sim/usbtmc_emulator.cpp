@@ -166,7 +166,7 @@ std::string UsbtmcEmulator::AbortIn(std::uint8_t tag) {
   const auto reply = [tag](int status) { return Bytes({status, tag}); };
   if (refuses_aborts_) return reply(kNotInProgress);
   const bool in_progress = request_.has_value() || !transfers_.empty();
-  if (!in_progress) return reply(kFailed);
+  if (!in_progress) return reply(answers_.empty() ? kFailed : kNotInProgress);
   if (request_ && request_->tag != tag) return reply(kNotInProgress);
   request_.reset();
   // Even if nothing was sent yet, the end of the transfer is.

@@ -6,6 +6,7 @@
 #include "tests/conformance/axis.h"
 #include "tests/conformance/camera.h"
 #include "tests/conformance/light.h"
+#include "tests/conformance/monitor.h"
 
 namespace gonio {
 namespace {
@@ -67,10 +68,20 @@ LightSubject DriftingLight() {
   return subject;
 }
 
+MonitorSubject QuietMonitor() {
+  static const ManualClock clock;
+  auto lamp = std::make_shared<SimLamp>(0);
+  MonitorSubject subject;
+  subject.monitor = std::make_unique<SimMonitor>("monitor", lamp, 0.002, clock, Random(1, 0));
+  subject.shine = [lamp](double power) { lamp->set_level(power); };
+  return subject;
+}
+
 INSTANTIATE_TEST_SUITE_P(SimIdeal, AxisConformance, testing::Values(IdealAxis));
 INSTANTIATE_TEST_SUITE_P(SimImperfect, AxisConformance, testing::Values(ImperfectAxis));
 INSTANTIATE_TEST_SUITE_P(Sim, CameraConformance, testing::Values(NoisyCamera));
 INSTANTIATE_TEST_SUITE_P(Sim, LightConformance, testing::Values(DriftingLight));
+INSTANTIATE_TEST_SUITE_P(Sim, MonitorConformance, testing::Values(QuietMonitor));
 
 }  // namespace
 }  // namespace gonio
