@@ -15,7 +15,7 @@ namespace gonio::grbl {
 namespace {
 
 constexpr Seconds kGlance{0.01};     // at the line while it homes and nothing may be asked
-constexpr Seconds kBrakePoll{0.02};  // moves that have just begun are soon braked
+constexpr Seconds kBrakePoll{0.05};  // it has other things to do than to report
 constexpr Seconds kBrakeLimit{5};
 constexpr double kReportDigit = 1e-3;  // deg
 constexpr double kRounding = 1e-3;     // share by which a setting may come back different
