@@ -15,8 +15,8 @@
 namespace gonio {
 
 struct MonitorSubject {
-  std::unique_ptr<Monitor> monitor;
   std::function<void(double)> shine;  // relative to the power at calibration
+  std::unique_ptr<Monitor> monitor;   // goes first: the other may own its device
 };
 using MonitorFactory = std::function<MonitorSubject()>;
 
