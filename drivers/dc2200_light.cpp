@@ -25,8 +25,8 @@ Result<std::unique_ptr<Light>> Dc2200Light::Open(std::unique_ptr<MessageLink> li
   }
   const std::string& identity = (*driver)->identity();
   if (identity.find("DC2200") == std::string::npos) {
-    return Refused(fmt::format("{}: {} is no DC2200 but {}", settings.name, (*driver)->name(),
-                               identity));
+    return Refused(
+        fmt::format("{}: {} is no DC2200 but {}", settings.name, (*driver)->name(), identity));
   }
   std::unique_ptr<Dc2200Light> light(new Dc2200Light(std::move(driver).value(), settings));
   if (const auto prepared = light->Prepare(); !prepared) return light->Named(prepared.error());
@@ -44,9 +44,10 @@ Result<void> Dc2200Light::Prepare() {
   if (!limit) return limit.error();
   // Also true of NaN.
   if (!(settings_.full_current > 0 && settings_.full_current <= *limit)) {
-    return Refused(fmt::format("a full current of {:.4g} A is outside 0 .. {:.4g} A, the limit set "
-                               "on the driver",
-                               settings_.full_current, *limit));
+    return Refused(
+        fmt::format("a full current of {:.4g} A is outside 0 .. {:.4g} A, the limit set "
+                    "on the driver",
+                    settings_.full_current, *limit));
   }
   if (const auto mode = driver_->Command("SOURCE1:MODE CC"); !mode) return mode;
   if (const auto set = SetCurrent(settings_.full_current); !set) return set;
@@ -71,8 +72,7 @@ Result<void> Dc2200Light::SetCurrent(double current) {
   const auto got = driver_->Number(fmt::format("{}?", kCurrent));
   if (!got) return got.error();
   if (std::abs(*got - current) <= kRounding * settings_.full_current) return {};
-  return Refused(
-      fmt::format("the current was set to {:.6g} A and reads {:.6g} A", current, *got));
+  return Refused(fmt::format("the current was set to {:.6g} A and reads {:.6g} A", current, *got));
 }
 
 Result<void> Dc2200Light::SetLevel(double level) {

@@ -55,9 +55,10 @@ Result<void> Dc4100Light::Prepare() {
   const double highest = kMilli * std::min(*limit, *most);
   // Also true of NaN.
   if (!(settings_.full_current > 0 && settings_.full_current <= highest)) {
-    return Refused(fmt::format("a full current of {:.4g} A is outside 0 .. {:.4g} A, the limit of "
-                               "channel {}",
-                               settings_.full_current, highest, settings_.channel));
+    return Refused(
+        fmt::format("a full current of {:.4g} A is outside 0 .. {:.4g} A, the limit of "
+                    "channel {}",
+                    settings_.full_current, highest, settings_.channel));
   }
   if (const auto mode = Set("m 0"); !mode) return mode;
   const auto head = AskChannel("hs?");
@@ -92,8 +93,7 @@ Result<double> Dc4100Light::Number(const std::string& question) {
   const std::string asked = fmt::format("{} {}", question, settings_.channel);
   return AskedTwice([&]() -> Result<double> {
     const auto answer = Exchange(asked);
-    return answer ? NumberIn(*answer, fmt::format("{}: {}", link_->name(), asked))
-                  : answer.error();
+    return answer ? NumberIn(*answer, fmt::format("{}: {}", link_->name(), asked)) : answer.error();
   });
 }
 
@@ -116,8 +116,8 @@ Result<void> Dc4100Light::SetTo(const std::string& setting, int value) {
   const auto got = Number(setting + "?");
   if (!got) return got.error();
   if (*got == value) return {};
-  return Refused(fmt::format("{}: {} was set to {} and reads {:.6g}", link_->name(), setting,
-                             value, *got));
+  return Refused(
+      fmt::format("{}: {} was set to {} and reads {:.6g}", link_->name(), setting, value, *got));
 }
 
 Result<void> Dc4100Light::SetLevel(double level) {

@@ -25,7 +25,12 @@ class Light {
   virtual Result<double> Level() = 0;
 };
 
-// A power meter that sees a constant fraction of the light.
+// A power meter that sees a constant fraction of the light. Promises, checked by
+// tests/conformance/monitor.h:
+//
+//   1. Read() is proportional to the light, and 1 where that is as at calibration.
+//   2. A reading begins after the call; it is never one that was left over.
+//   3. What the meter cannot measure, like more than its range, is an error and never a number.
 class Monitor {
  public:
   virtual ~Monitor() = default;

@@ -13,9 +13,9 @@ namespace gonio {
 
 // Where a message ends the link knows (drivers/usbtmc.h), so nothing is searched for line ends.
 //
-// One call at a time. Errors: kTimeout, kDisconnected (then every later call returns it), kProtocol;
-// messages begin with name(). After each error but kDisconnected the next message can be sent, but
-// an answer that is still owed may come before its own.
+// One call at a time. Errors: kTimeout, kDisconnected (then every later call returns it),
+// kProtocol; messages begin with name(). After each error but kDisconnected the next message can be
+// sent, but an answer that is still owed may come before its own.
 class MessageLink {
  public:
   virtual ~MessageLink() = default;

@@ -15,8 +15,8 @@ namespace gonio {
 namespace {
 
 constexpr Seconds kPollInterval{0.002};
-constexpr double kNoReading = 9.9e37;  // and beyond: how SCPI spells infinity and NaN
-constexpr unsigned kMeasuresPower = 1;  // flags of a sensor
+constexpr double kNoReading = 9.9e37;    // and beyond: how SCPI spells infinity and NaN
+constexpr unsigned kMeasuresPower = 1;   // flags of a sensor
 constexpr double kWavelengthStep = 0.5;  // nm, by which the meter may round
 
 Error Refused(std::string message) { return {ErrorCode::kRefused, std::move(message)}; }
@@ -69,8 +69,8 @@ Result<void> ThorlabsMonitor::Prepare() {
   if (!range) return range.error();
   says_when_ready_ = SaysWhenReady(meter_->identity());
   identity_ = fmt::format("{}, sensor {}, {:.6g} nm, {} averaged, {}, 1 is {:.6g} W",
-                          meter_->identity(), *sensor, settings_.wavelength_nm,
-                          settings_.averaging, *range, settings_.reference);
+                          meter_->identity(), *sensor, settings_.wavelength_nm, settings_.averaging,
+                          *range, settings_.reference);
   return {};
 }
 
@@ -86,8 +86,8 @@ Result<std::string> ThorlabsMonitor::Sensor() {
                  fmt::format("{}: {} describes no sensor", meter_->name(), Quoted(*answer))};
   }
   if ((static_cast<unsigned>(*flags) & kMeasuresPower) == 0) {
-    return Refused(fmt::format("{}: no sensor for power is connected: {}", meter_->name(),
-                               Quoted(*answer)));
+    return Refused(
+        fmt::format("{}: no sensor for power is connected: {}", meter_->name(), Quoted(*answer)));
   }
   return fmt::format("{} {} calibrated {}", fields[0], fields[1], fields[2]);
 }
@@ -116,8 +116,8 @@ Result<std::string> ThorlabsMonitor::SetRange() {
   if (!got) return got.error();
   // The meter takes the next of its ranges in which this fits.
   if (*got < settings_.range * (1 - 1e-3)) {
-    return Refused(fmt::format("the range was to hold {:.6g} W and is {:.6g} W", settings_.range,
-                               *got));
+    return Refused(
+        fmt::format("the range was to hold {:.6g} W and is {:.6g} W", settings_.range, *got));
   }
   return fmt::format("range {:.6g} W", *got);
 }
@@ -145,9 +145,9 @@ Result<double> ThorlabsMonitor::Power() {
   const auto power = meter_->Number("FETC?", settings_.reading_limit);
   if (!power) return power.error();
   if (std::abs(*power) >= kNoReading) {
-    return Refused(fmt::format("{}: no reading: {}", meter_->name(),
-                               settings_.range > 0 ? "the power is beyond the range"
-                                                   : "the power is beyond the sensor"));
+    return Refused(fmt::format(
+        "{}: no reading: {}", meter_->name(),
+        settings_.range > 0 ? "the power is beyond the range" : "the power is beyond the sensor"));
   }
   return power;
 }

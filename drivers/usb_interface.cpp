@@ -120,8 +120,8 @@ Result<std::vector<Found>> FindAll(const Context& context, const UsbClass& which
   libusb_device** devices = nullptr;
   const ssize_t count = libusb_get_device_list(context.get(), &devices);
   if (count < 0) {
-    return Refused(fmt::format("USB devices cannot be listed: {}",
-                               libusb_strerror(static_cast<int>(count))));
+    return Refused(
+        fmt::format("USB devices cannot be listed: {}", libusb_strerror(static_cast<int>(count))));
   }
   std::vector<Found> all;
   for (ssize_t i = 0; i < count; ++i) {
@@ -251,9 +251,7 @@ Result<std::unique_ptr<UsbInterface>> UsbInterface::Open(const UsbSelection& sel
 }
 
 UsbInterface::UsbInterface(std::unique_ptr<Handle> handle, std::string name)
-    : handle_(std::move(handle)),
-      name_(std::move(name)),
-      packet_bytes_(handle_->packet_bytes) {}
+    : handle_(std::move(handle)), name_(std::move(name)), packet_bytes_(handle_->packet_bytes) {}
 
 UsbInterface::~UsbInterface() = default;
 
@@ -276,10 +274,9 @@ Result<void> UsbInterface::Write(std::string_view bytes, Seconds limit) {
   if (limit <= Seconds(0)) return Failed(LIBUSB_ERROR_TIMEOUT, kDoing, limit);
   std::string copy(bytes);  // libusb's are not const
   int taken = 0;
-  const int result = libusb_bulk_transfer(handle_->device.get(), handle_->out,
-                                          reinterpret_cast<unsigned char*>(copy.data()),
-                                          static_cast<int>(copy.size()), &taken,
-                                          Milliseconds(limit));
+  const int result = libusb_bulk_transfer(
+      handle_->device.get(), handle_->out, reinterpret_cast<unsigned char*>(copy.data()),
+      static_cast<int>(copy.size()), &taken, Milliseconds(limit));
   if (result != LIBUSB_SUCCESS) return Failed(result, kDoing, limit);
   return taken == static_cast<int>(copy.size()) ? Result<void>()
                                                 : Failed(LIBUSB_ERROR_IO, kDoing, limit);
@@ -311,10 +308,10 @@ Result<std::string> UsbInterface::Ask(std::uint8_t request, std::uint16_t value,
                     : about == About::kOut     ? handle_->out
                                                : handle_->in;
   std::string reply(most, '\0');
-  const int result = libusb_control_transfer(
-      handle_->device.get(), static_cast<std::uint8_t>(type), request, value,
-      static_cast<std::uint16_t>(index), reinterpret_cast<unsigned char*>(reply.data()), most,
-      Milliseconds(limit));
+  const int result = libusb_control_transfer(handle_->device.get(), static_cast<std::uint8_t>(type),
+                                             request, value, static_cast<std::uint16_t>(index),
+                                             reinterpret_cast<unsigned char*>(reply.data()), most,
+                                             Milliseconds(limit));
   if (result < 0) return Failed(result, kDoing, limit);
   reply.resize(static_cast<std::size_t>(result));
   return reply;

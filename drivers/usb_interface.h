@@ -36,8 +36,8 @@ struct UsbSelection {
   std::string serial;         // empty: the only one that is plugged in
 };
 
-// Claimed: exclusively ours until destroyed. The system's own driver, if it had one, is asked to let
-// go and given it back. Each has a libusb context of its own, so that they share nothing.
+// Claimed: exclusively ours until destroyed. The system's own driver, if it had one, is asked to
+// let go and given it back. Each has a libusb context of its own, so that they share nothing.
 //
 // One call at a time. Errors: kTimeout, kDisconnected (the device is out: then for good, a device
 // that is plugged in again is opened again), kProtocol (a stalled endpoint, or more bytes than

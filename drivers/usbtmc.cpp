@@ -79,7 +79,9 @@ Result<std::string> UsbtmcDevice::ReadParts(const Deadline& deadline) {
     // Neither what was asked nor what was answered so far is known then.
     if (!asked) return AfterNonsense(InAll(asked.error(), missing, deadline));
     const auto part = ReadPart(deadline);
-    if (!part) return AfterFailedRead(InAll(part.error(), missing, deadline));
+    if (!part && message.empty()) return AfterFailedRead(InAll(part.error(), missing, deadline));
+    // An abort ends a transfer; the rest of the message would come with the next one.
+    if (!part) return AfterNonsense(InAll(part.error(), missing, deadline));
     message += part->payload;
     if (part->last && message.size() <= kMostBytes) return message;
     if (message.size() > kMostBytes) {
@@ -107,9 +109,8 @@ Result<UsbtmcDevice::Part> UsbtmcDevice::ReadPart(const Deadline& deadline) {
     const auto more = usb_->Read(room, deadline.Left());
     if (!more) return more.error();
     if (more->empty()) {
-      return Error{ErrorCode::kProtocol,
-                   fmt::format("{}: {} of {} bytes came", name(), part.payload.size(),
-                               header->bytes)};
+      return Error{ErrorCode::kProtocol, fmt::format("{}: {} of {} bytes came", name(),
+                                                     part.payload.size(), header->bytes)};
     }
     part.payload += *more;
   }
@@ -124,9 +125,9 @@ Result<void> UsbtmcDevice::Clear() {
 
 Result<usbtmc::StatusReply> UsbtmcDevice::Ask(Request request, UsbInterface::About about,
                                               std::uint16_t value, const Deadline& deadline) {
-  const bool short_reply =
-      request == Request::kInitiateAbortBulkIn || request == Request::kInitiateAbortBulkOut ||
-      request == Request::kCheckClearStatus;
+  const bool short_reply = request == Request::kInitiateAbortBulkIn ||
+                           request == Request::kInitiateAbortBulkOut ||
+                           request == Request::kCheckClearStatus;
   const std::uint16_t most = request == Request::kInitiateClear ? 1 : short_reply ? 2 : 8;
   const auto reply = usb_->Ask(static_cast<std::uint8_t>(request), value, about, most,
                                std::min(kRequestLimit, deadline.Left()));

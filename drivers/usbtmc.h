@@ -41,8 +41,8 @@ class UsbtmcDevice final : public MessageLink {
   static constexpr Seconds kRecoveryLimit{3};
 
   // kRefused: no such device (the message lists those there are), several of them and no serial
-  // number given, no permission, in use by another program. kProtocol: it does not do what the class
-  // demands.
+  // number given, no permission, in use by another program. kProtocol: it does not do what the
+  // class demands.
   static Result<std::unique_ptr<UsbtmcDevice>> Open(const UsbSelection& selection);
 
   const std::string& name() const override { return usb_->name(); }
@@ -62,8 +62,7 @@ class UsbtmcDevice final : public MessageLink {
   Result<usbtmc::StatusReply> Ask(usbtmc::Request request, UsbInterface::About about,
                                   std::uint16_t value, const Deadline& deadline);
   // Asks `check` until the device is done, reading away what it still has to say.
-  Result<void> AwaitEnd(usbtmc::Request check, UsbInterface::About about,
-                        const Deadline& deadline);
+  Result<void> AwaitEnd(usbtmc::Request check, UsbInterface::About about, const Deadline& deadline);
   Result<void> ReadAway(const Deadline& deadline);
 
   // What is left of `error` after everything was done that lets the next message through.
@@ -81,8 +80,8 @@ class UsbtmcDevice final : public MessageLink {
   std::mutex mutex_;
   const std::unique_ptr<UsbInterface> usb_;
   usbtmc::Capabilities capabilities_;
-  std::uint8_t tag_ = 0;   // of the last transfer
-  bool stuck_ = false;     // a recovery has failed: it comes before the next message
+  std::uint8_t tag_ = 0;  // of the last transfer
+  bool stuck_ = false;    // a recovery has failed: it comes before the next message
 };
 
 }  // namespace gonio

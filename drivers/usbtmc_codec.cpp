@@ -101,8 +101,8 @@ Result<StatusReply> DecodeStatus(Request request, std::string_view reply) {
     case Status::kTransferNotInProgress:
     case Status::kSplitNotInProgress:
     case Status::kSplitInProgress: {
-      const bool check = request == Request::kCheckAbortBulkInStatus ||
-                         request == Request::kCheckClearStatus;
+      const bool check =
+          request == Request::kCheckAbortBulkInStatus || request == Request::kCheckClearStatus;
       return StatusReply{status, check && (ByteOf(reply, 1) & 1) != 0};
     }
   }

@@ -123,9 +123,7 @@ std::string PowerMeterEmulator::Query(const std::string& name, const std::string
   if (name == "SYST:ERR?") return errors_.Next();
   if (name == "SYST:SENS:IDN?") return settings_.sensor;
   if (name == "SENS:CORR:WAV?") {
-    return fmt::format("{:.6E}", argument == "MIN"   ? 400
-                                 : argument == "MAX" ? 1100
-                                                     : wavelength_);
+    return fmt::format("{:.6E}", argument == "MIN" ? 400 : argument == "MAX" ? 1100 : wavelength_);
   }
   if (name == "SENS:AVER?") return fmt::format("{}", averaging_);
   if (name == "SENS:POW:RANG:AUTO?") return automatic_ ? "1" : "0";

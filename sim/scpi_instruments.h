@@ -30,9 +30,9 @@ class Dc2200Emulator {
   // The answer to a line, empty for commands; what it does not know it notes as an error.
   std::string Receive(std::string_view line);
 
-  double Current() const;            // A, through the LED
-  void TurnByHand(double current);   // A, on the front panel; 0 switches off
-  void RemoveLed();                  // no current whatever is set
+  double Current() const;           // A, through the LED
+  void TurnByHand(double current);  // A, on the front panel; 0 switches off
+  void RemoveLed();                 // no current whatever is set
 
  private:
   std::string Command(const std::string& name, const std::string& argument);
@@ -87,7 +87,7 @@ class PowerMeterEmulator {
   double range_ = 0.05;  // W
   bool watt_ = false;
   bool measures_power_ = false;
-  double reading_ = 0;  // of the last INIT
+  double reading_ = 0;   // of the last INIT
   int until_ready_ = 0;  // questions whether it is
   std::string next_;
   ScpiErrors errors_;

@@ -2,11 +2,10 @@
 #include "sim/usb_bench.h"
 
 // Before what is defined by its macros.
-#include <sys/ioctl.h>
-
 #include <fmt/format.h>
 #include <linux/usbdevice_fs.h>
 #include <stdlib.h>
+#include <sys/ioctl.h>
 #include <termios.h>
 #include <umockdev.h>
 #include <unistd.h>
@@ -137,7 +136,7 @@ class UsbNode {
   const std::string node_;
   const std::string path_;
   Handler handler_;
-  std::map<UsbHost::Ticket, Block> blocks_;   // by where they are in the program
+  std::map<UsbHost::Ticket, Block> blocks_;  // by where they are in the program
   std::map<UMockdevIoctlClient*, gulong> known_;
 };
 
@@ -147,9 +146,9 @@ gboolean UsbNode::Call(UMockdevIoctlClient* client) {
   }
   switch (umockdev_ioctl_client_get_request(client)) {
     case USBDEVFS_GET_CAPABILITIES:
-      *As<std::uint32_t>(ArgumentOf<std::uint32_t>(client)) =
-          USBDEVFS_CAP_ZERO_PACKET | USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
-          USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
+      *As<std::uint32_t>(ArgumentOf<std::uint32_t>(client)) = USBDEVFS_CAP_ZERO_PACKET |
+                                                              USBDEVFS_CAP_NO_PACKET_SIZE_LIM |
+                                                              USBDEVFS_CAP_REAP_AFTER_DISCONNECT;
       return ReturnError(client, host_.is_out() ? ENODEV : 0);
     case USBDEVFS_GETDRIVER: {
       const Data argument = ArgumentOf<usbdevfs_getdriver>(client);
@@ -166,16 +165,17 @@ gboolean UsbNode::Call(UMockdevIoctlClient* client) {
                           ->interface,
                       true));
     case USBDEVFS_CLAIMINTERFACE:
-      return ReturnError(
-          client, host_.Claim(client, *As<unsigned>(ArgumentOf<unsigned>(client)), false));
+      return ReturnError(client,
+                         host_.Claim(client, *As<unsigned>(ArgumentOf<unsigned>(client)), false));
     case USBDEVFS_RELEASEINTERFACE:
       return ReturnError(client,
                          host_.Release(client, *As<unsigned>(ArgumentOf<unsigned>(client))));
     case USBDEVFS_IOCTL:
       return ToDriver(client);
     case USBDEVFS_CLEAR_HALT:
-      return ReturnError(client, host_.ClearHalt(static_cast<std::uint8_t>(
-                                     *As<unsigned>(ArgumentOf<unsigned>(client)))));
+      return ReturnError(
+          client,
+          host_.ClearHalt(static_cast<std::uint8_t>(*As<unsigned>(ArgumentOf<unsigned>(client)))));
     case USBDEVFS_RESET:
       return ReturnError(client, host_.Reset());
     case USBDEVFS_SUBMITURB:
@@ -237,8 +237,7 @@ gboolean UsbNode::Reap(UMockdevIoctlClient* client) {
   const Data buffer = Resolve(block.get(), offsetof(usbdevfs_urb, buffer),
                               static_cast<std::size_t>(urb->buffer_length));
   if (!ended.bytes.empty()) {
-    std::memcpy(buffer->data + (control ? kSetupBytes : 0), ended.bytes.data(),
-                ended.bytes.size());
+    std::memcpy(buffer->data + (control ? kSetupBytes : 0), ended.bytes.data(), ended.bytes.size());
   }
   umockdev_ioctl_data_set_ptr(ArgumentOf<void*>(client).get(), 0, block.get());
   return Return(client, 0);
@@ -287,7 +286,7 @@ class UsbBench::Impl {
     for (const auto& node : nodes_) {
       umockdev_testbed_detach_ioctl(testbed_.get(), node->node().c_str(), nullptr);
     }
-    for (const std::string& node : serial_nodes_) {
+    for (const auto& [node, paths] : serial_paths_) {
       umockdev_testbed_detach_ioctl(testbed_.get(), node.c_str(), nullptr);
     }
     // Ends the thread that calls the nodes.
@@ -319,8 +318,8 @@ class UsbBench::Impl {
 
   void Plug(const SerialAdapter& adapter) {
     const std::string node = "/dev/" + adapter.node;
-    for (const std::string& known : serial_nodes_) {
-      if (known == node) throw ConfigError(fmt::format("{} is there already", node));
+    if (serial_paths_.contains(node)) {
+      throw ConfigError(fmt::format("{} is there already", node));
     }
     const int number = ++last_number_;
     const std::string device = fmt::format("/devices/pci0000:00/usb1/1-{}", number);
@@ -337,11 +336,11 @@ class UsbBench::Impl {
     // The directory is there only once a device with a node of its own was plugged in.
     g_mkdir_with_parents((root_ + "/dev").c_str(), 0755);
     if (symlink(adapter.line.c_str(), file.c_str()) != 0) {
-      throw ConfigError(fmt::format("{} cannot lead to {}: {}", node, adapter.line,
-                                    std::strerror(errno)));
+      throw ConfigError(
+          fmt::format("{} cannot lead to {}: {}", node, adapter.line, std::strerror(errno)));
     }
-    serial_nodes_.push_back(node);
-    serial_paths_[node] = device;
+    serial_paths_[node] = {fmt::format("{0}/{1}/tty/{1}", interface, adapter.node),
+                           fmt::format("{}/{}", interface, adapter.node), interface, device};
   }
 
   void Unplug(const SerialAdapter& adapter) {
@@ -349,8 +348,7 @@ class UsbBench::Impl {
     const auto path = serial_paths_.extract(node);
     if (path.empty()) return;
     umockdev_testbed_detach_ioctl(testbed_.get(), node.c_str(), nullptr);
-    std::erase(serial_nodes_, node);
-    Remove(path.mapped());
+    for (const std::string& part : path.mapped()) Remove(part);
     unlink(FileOf(node).c_str());
   }
 
@@ -369,10 +367,11 @@ class UsbBench::Impl {
 
   std::unique_ptr<UMockdevTestbed, Unref> testbed_;
   std::string root_;
-  std::vector<std::unique_ptr<UsbNode>> nodes_;  // those taken out, too: programs may have them open
+  std::vector<std::unique_ptr<UsbNode>>
+      nodes_;  // those taken out, too: programs may have them open
   Handler serial_;
-  std::vector<std::string> serial_nodes_;
-  std::map<std::string, std::string> serial_paths_;
+  // By node: all that the adapter consists of, from the port up to the plug.
+  std::map<std::string, std::vector<std::string>> serial_paths_;
   int last_number_ = 0;
 };
 

@@ -134,7 +134,8 @@ UsbOutcome UsbtmcEmulator::Control(const UsbSetup& setup) {
       reply = AbortIn(static_cast<std::uint8_t>(setup.value));
       break;
     case kCheckAbortIn:
-      reply = Bytes({transfers_.empty() ? kSuccess : kPending, !transfers_.empty(), 0, 0, 0, 0, 0, 0});
+      reply =
+          Bytes({transfers_.empty() ? kSuccess : kPending, !transfers_.empty(), 0, 0, 0, 0, 0, 0});
       break;
     case kInitiateClear:
       ++clears_;

@@ -15,22 +15,22 @@
 namespace gonio {
 
 enum class UsbtmcFault {
-  kSilent,        // takes a message, and its answer never comes
-  kLate,          // the answer comes once the next message is in, before the answer to that
-  kStallOut,      // halts the pipe towards the device instead of taking a message
-  kStallIn,       // halts the pipe from the device instead of sending an answer
-  kWrongTag,      // answers another transfer than was asked
-  kNoEnd,         // the answer is cut in half: its end comes when asked for more
-  kNeverEnds,     // the first half again and again
-  kOversize,      // announces 4 GB
-  kShort,         // announces more than it sends
-  kEmptyFirst,    // begins with a transfer of nothing
-  kHeaderFirst,   // the header comes in a transfer of its own
+  kSilent,       // takes a message, and its answer never comes
+  kLate,         // the answer comes once the next message is in, before the answer to that
+  kStallOut,     // halts the pipe towards the device instead of taking a message
+  kStallIn,      // halts the pipe from the device instead of sending an answer
+  kWrongTag,     // answers another transfer than was asked
+  kNoEnd,        // the answer is cut in half: its end comes when asked for more
+  kNeverEnds,    // the first half again and again
+  kOversize,     // announces 4 GB
+  kShort,        // announces more than it sends
+  kEmptyFirst,   // begins with a transfer of nothing
+  kHeaderFirst,  // the header comes in a transfer of its own
 };
 
-// Obeys the rules of the class: headers are checked, a request takes one transfer of at most so many
-// bytes, aborts and clears do what they should. Interface 0 is another one, as on instruments whose
-// firmware can be exchanged. Written from the class's description and not from our codec. Any
+// Obeys the rules of the class: headers are checked, a request takes one transfer of at most so
+// many bytes, aborts and clears do what they should. Interface 0 is another one, as on instruments
+// whose firmware can be exchanged. Written from the class's description and not from our codec. Any
 // thread.
 class UsbtmcEmulator final : public UsbDouble {
  public:
@@ -44,9 +44,9 @@ class UsbtmcEmulator final : public UsbDouble {
   void Inject(UsbtmcFault fault, int times = 1);
   // Refuses the class's aborts, so that only a clear helps.
   void set_refuses_aborts(bool refuses);
-  int clears() const;            // how often it was cleared
-  int aborts() const;            // how often a transfer was aborted
-  std::size_t longest() const;   // message that came in, in bytes
+  int clears() const;           // how often it was cleared
+  int aborts() const;           // how often a transfer was aborted
+  std::size_t longest() const;  // message that came in, in bytes
 
   const UsbPlate& plate() const override { return plate_; }
   std::string Descriptors() const override;
@@ -80,12 +80,12 @@ class UsbtmcEmulator final : public UsbDouble {
   int aborts_ = 0;
   std::size_t longest_ = 0;
 
-  std::string coming_;                  // bytes of a transfer that is not complete
-  std::string message_;                 // parts of a message that has not ended
-  std::deque<std::string> answers_;     // that nobody has fetched, or not all of them
-  std::string late_;                    // an answer that is held back
-  std::optional<Request> request_;      // that waits for an answer
-  std::deque<std::string> transfers_;   // that the host may read
+  std::string coming_;                 // bytes of a transfer that is not complete
+  std::string message_;                // parts of a message that has not ended
+  std::deque<std::string> answers_;    // that nobody has fetched, or not all of them
+  std::string late_;                   // an answer that is held back
+  std::optional<Request> request_;     // that waits for an answer
+  std::deque<std::string> transfers_;  // that the host may read
   bool in_halted_ = false;
   bool out_halted_ = false;
 };

@@ -43,6 +43,8 @@ const std::vector<Fence> kFences = {
     {"nlohmann/", {"acquisition", "apps"}, false},
     {"fmt/", {"core", "brdf", "drivers", "fitting", "planner", "acquisition", "sim", "apps"}, true},
     {"libserialport.h", {"drivers"}, true},
+    {"libusb.h", {"drivers"}, true},
+    {"umockdev.h", {"sim"}, true},
     {"openssl/", {"acquisition"}, true},
     {"ceres/", {"fitting"}, true},
     {"opencv2/", {"brdf"}, true},

@@ -6,6 +6,7 @@
 #include "tests/conformance/axis.h"
 #include "tests/conformance/camera.h"
 #include "tests/conformance/light.h"
+#include "tests/conformance/monitor.h"
 
 namespace gonio {
 namespace {
@@ -66,10 +67,23 @@ LightSubject DriftingLight() {
   return subject;
 }
 
+MonitorSubject NoisyMonitor() {
+  const auto clock = std::make_shared<ManualClock>();
+  auto lamp = std::make_shared<SimLamp>(0);
+  MonitorSubject subject;
+  subject.noise = 1e-3;
+  subject.monitor =
+      std::make_unique<SimMonitor>("monitor", lamp, subject.noise, *clock, Random(1, 0));
+  // Which keeps the clock, too.
+  subject.shine = [lamp, clock](double power) { lamp->set_level(power); };
+  return subject;
+}
+
 INSTANTIATE_TEST_SUITE_P(SimIdeal, AxisConformance, testing::Values(IdealAxis));
 INSTANTIATE_TEST_SUITE_P(SimImperfect, AxisConformance, testing::Values(ImperfectAxis));
 INSTANTIATE_TEST_SUITE_P(Sim, CameraConformance, testing::Values(NoisyCamera));
 INSTANTIATE_TEST_SUITE_P(Sim, LightConformance, testing::Values(DriftingLight));
+INSTANTIATE_TEST_SUITE_P(Sim, MonitorConformance, testing::Values(NoisyMonitor));
 
 }  // namespace
 }  // namespace gonio

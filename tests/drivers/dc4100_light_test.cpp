@@ -64,7 +64,8 @@ TEST(Dc4100Light, RefusesMoreThanTheLimitOfItsChannel) {
     const auto light = wire.Open(full);
     ASSERT_FALSE(light.ok());
     EXPECT_EQ(light.error().code, ErrorCode::kRefused);
-    EXPECT_THAT(light.error().message, HasSubstr("A is outside 0 .. 0.8 A, the limit of channel 2"));
+    EXPECT_THAT(light.error().message,
+                HasSubstr("A is outside 0 .. 0.8 A, the limit of channel 2"));
   }
 }
 
@@ -77,8 +78,8 @@ TEST(Dc4100Light, NoticesThatItWasNotObeyed) {
   const auto set = (*light)->SetLevel(0.5);
   ASSERT_FALSE(set.ok());
   EXPECT_EQ(set.error().code, ErrorCode::kRefused);
-  EXPECT_EQ(set.error().message, "lamp: " + wire.line.path() +
-                                     ": refused \"cc 2 350\": \"ERROR 3:Not in this mode\"");
+  EXPECT_EQ(set.error().message,
+            "lamp: " + wire.line.path() + ": refused \"cc 2 350\": \"ERROR 3:Not in this mode\"");
   // What others did wrong before is not this command's fault.
   wire.driver.Receive("m 0\r\nnonsense\r\n");
   EXPECT_TRUE((*light)->SetLevel(0.5).ok());

@@ -18,8 +18,8 @@ constexpr const char* kTried = "GONIO_TESTS_STARTED_AGAIN";
 // Does not return if it can.
 void StartAgain(char** argv) {
   const char* const before = getenv("LD_PRELOAD");
-  const std::string preload = std::string(gonio::UsbBench::kPreload) +
-                              (before == nullptr ? "" : std::string(":") + before);
+  const std::string preload =
+      std::string(gonio::UsbBench::kPreload) + (before == nullptr ? "" : std::string(":") + before);
   setenv("LD_PRELOAD", preload.c_str(), 1);
   setenv(kTried, "1", 1);
   // Sanitizers want to be first themselves.

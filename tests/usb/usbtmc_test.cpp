@@ -85,7 +85,8 @@ TEST_F(Usbtmc, CarriesMessagesOfAnyLength) {
 
 // Example failure is a driver that collects until memory is full.
 TEST_F(Usbtmc, RefusesAnswersWithoutEnd) {
-  EXPECT_EQ(Ask("huge"), "protocol: USB 1313:8078 P0012345: 1048576 bytes and no end of the answer");
+  EXPECT_EQ(Ask("huge"),
+            "protocol: USB 1313:8078 P0012345: 1048576 bytes and no end of the answer");
   EXPECT_EQ(Ask("a"), "<a>\n");
   instrument_.Inject(UsbtmcFault::kNeverEnds, 1 << 30);
   EXPECT_THAT(Ask("abcdef", kShortLimit), HasSubstr("timeout: "));
@@ -107,8 +108,7 @@ TEST_F(Usbtmc, PutsPiecesTogether) {
 
 TEST_F(Usbtmc, SilenceIsATimeoutAndTheNextQuestionIsAnswered) {
   instrument_.Inject(UsbtmcFault::kSilent);
-  EXPECT_EQ(Ask("a", kShortLimit),
-            "timeout: USB 1313:8078 P0012345: no answer within 0.25 s");
+  EXPECT_EQ(Ask("a", kShortLimit), "timeout: USB 1313:8078 P0012345: no answer within 0.25 s");
   EXPECT_EQ(instrument_.aborts(), 1);
   EXPECT_EQ(instrument_.clears(), 0);
   EXPECT_EQ(Ask("b"), "<b>\n");
@@ -147,8 +147,7 @@ TEST_F(Usbtmc, WhatMakesNoSenseIsSaidAndClearedAway) {
 
 TEST_F(Usbtmc, StalledPipesAreFreed) {
   instrument_.Inject(UsbtmcFault::kStallIn);
-  EXPECT_EQ(Ask("a"),
-            "protocol: USB 1313:8078 P0012345: no answer: the endpoint is stalled");
+  EXPECT_EQ(Ask("a"), "protocol: USB 1313:8078 P0012345: no answer: the endpoint is stalled");
   EXPECT_EQ(Ask("b"), "<b>\n");
   instrument_.Inject(UsbtmcFault::kStallOut);
   EXPECT_EQ(Ask("a"),
@@ -210,9 +209,10 @@ TEST_F(Usbtmc, BelongsToOneOwner) {
 }
 
 TEST_F(Usbtmc, SaysWhichOnesThereAreInstead) {
-  EXPECT_EQ(WhyNot({.vendor = 0x1234, .products = {0x80c8, 0x80c0}, .serial = {}}),
-            "USB 1234:80c8 or 1234:80c0: not plugged in; USB test and measurement devices that are: "
-            "USB 1313:8078 P0012345");
+  EXPECT_EQ(
+      WhyNot({.vendor = 0x1234, .products = {0x80c8, 0x80c0}, .serial = {}}),
+      "USB 1234:80c8 or 1234:80c0: not plugged in; USB test and measurement devices that are: "
+      "USB 1313:8078 P0012345");
   EXPECT_EQ(WhyNot({.vendor = kThorlabsVendor, .products = {kProduct}, .serial = "P7"}),
             "USB 1313:8078 P7: not plugged in; USB test and measurement devices that are: USB "
             "1313:8078 P0012345");
@@ -252,7 +252,8 @@ TEST_F(Usbtmc, NamesTheRuleThatGivesPermission) {
   ASSERT_EQ(chmod(bench.c_str(), 0777), 0);
   ASSERT_EQ(chmod((bench + "/ioctl" + node.substr(end)).c_str(), 0777), 0);
   ASSERT_TRUE(!root || seteuid(kNobody) == 0);
-  const std::string some = WhyNot({.vendor = kThorlabsVendor, .products = {kProduct}, .serial = {}});
+  const std::string some =
+      WhyNot({.vendor = kThorlabsVendor, .products = {kProduct}, .serial = {}});
   const std::string named =
       WhyNot({.vendor = kThorlabsVendor, .products = {kProduct}, .serial = "P0012345"});
   const auto listed = ListUsbtmcDevices();
