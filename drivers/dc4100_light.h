@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "drivers/byte_link.h"
 #include "drivers/light.h"

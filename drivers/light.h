@@ -28,10 +28,9 @@ class Light {
 // A power meter that sees a constant fraction of the light. Promises, checked by
 // tests/conformance/monitor.h:
 //
-//   1. Read() returns what falls on it between its call and its return, never an older reading.
-//   2. What it is, and with which settings it measures, is read from the device.
-//
-// One thread. Errors as in axis.h; a reading that is none (over range) is kRefused.
+//   1. Read() is proportional to the light, and 1 where that is as at calibration.
+//   2. A reading begins after the call; it is never one that was left over.
+//   3. What the meter cannot measure, like more than its range, is an error and never a number.
 class Monitor {
  public:
   virtual ~Monitor() = default;

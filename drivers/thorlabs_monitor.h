@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "drivers/light.h"
 #include "drivers/scpi.h"

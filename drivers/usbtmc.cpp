@@ -79,11 +79,9 @@ Result<std::string> UsbtmcDevice::ReadParts(const Deadline& deadline) {
     // Neither what was asked nor what was answered so far is known then.
     if (!asked) return AfterNonsense(InAll(asked.error(), missing, deadline));
     const auto part = ReadPart(deadline);
-    if (!part) {
-      const Error error = InAll(part.error(), missing, deadline);
-      // An abort ends the transfer that was asked for, not the message it is a part of.
-      return message.empty() ? AfterFailedRead(error) : AfterNonsense(error);
-    }
+    if (!part && message.empty()) return AfterFailedRead(InAll(part.error(), missing, deadline));
+    // An abort ends a transfer; the rest of the message would come with the next one.
+    if (!part) return AfterNonsense(InAll(part.error(), missing, deadline));
     message += part->payload;
     if (part->last && message.size() <= kMostBytes) return message;
     if (message.size() > kMostBytes) {

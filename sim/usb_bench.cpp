@@ -286,7 +286,7 @@ class UsbBench::Impl {
     for (const auto& node : nodes_) {
       umockdev_testbed_detach_ioctl(testbed_.get(), node->node().c_str(), nullptr);
     }
-    for (const std::string& node : serial_nodes_) {
+    for (const auto& [node, paths] : serial_paths_) {
       umockdev_testbed_detach_ioctl(testbed_.get(), node.c_str(), nullptr);
     }
     // Ends the thread that calls the nodes.
@@ -318,8 +318,8 @@ class UsbBench::Impl {
 
   void Plug(const SerialAdapter& adapter) {
     const std::string node = "/dev/" + adapter.node;
-    for (const std::string& known : serial_nodes_) {
-      if (known == node) throw ConfigError(fmt::format("{} is there already", node));
+    if (serial_paths_.contains(node)) {
+      throw ConfigError(fmt::format("{} is there already", node));
     }
     const int number = ++last_number_;
     const std::string device = fmt::format("/devices/pci0000:00/usb1/1-{}", number);
@@ -339,8 +339,8 @@ class UsbBench::Impl {
       throw ConfigError(
           fmt::format("{} cannot lead to {}: {}", node, adapter.line, std::strerror(errno)));
     }
-    serial_nodes_.push_back(node);
-    serial_paths_[node] = device;
+    serial_paths_[node] = {fmt::format("{0}/{1}/tty/{1}", interface, adapter.node),
+                           fmt::format("{}/{}", interface, adapter.node), interface, device};
   }
 
   void Unplug(const SerialAdapter& adapter) {
@@ -348,8 +348,7 @@ class UsbBench::Impl {
     const auto path = serial_paths_.extract(node);
     if (path.empty()) return;
     umockdev_testbed_detach_ioctl(testbed_.get(), node.c_str(), nullptr);
-    std::erase(serial_nodes_, node);
-    Remove(path.mapped());
+    for (const std::string& part : path.mapped()) Remove(part);
     unlink(FileOf(node).c_str());
   }
 
@@ -371,8 +370,8 @@ class UsbBench::Impl {
   std::vector<std::unique_ptr<UsbNode>>
       nodes_;  // those taken out, too: programs may have them open
   Handler serial_;
-  std::vector<std::string> serial_nodes_;
-  std::map<std::string, std::string> serial_paths_;
+  // By node: all that the adapter consists of, from the port up to the plug.
+  std::map<std::string, std::vector<std::string>> serial_paths_;
   int last_number_ = 0;
 };
 

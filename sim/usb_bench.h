@@ -26,8 +26,9 @@ struct SerialAdapter {
 //   - were started with LD_PRELOAD=libumockdev-preload.so.0, and
 //   - have UMOCKDEV_DIR in their environment, where the bench has put it.
 //
-// This one and the programs it starts, that is: a bench needs the first of the two only to be seen
-// from the program it is in. One bench at a time. One thread; the devices' calls come from another.
+// This one and the programs it starts, that is: the first of the two it needs only to be seen from
+// here. One bench at a time, which outlives whatever is open in this program, for nobody would
+// answer that any more. One thread; the devices' calls come from another.
 class UsbBench {
  public:
   UsbBench();

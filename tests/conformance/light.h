@@ -17,7 +17,7 @@ namespace gonio {
 struct LightSubject {
   std::function<double()> emitted;           // true level, also after the light is gone
   std::function<void(double)> turn_by_hand;  // sets the device's level behind the driver's back
-  std::unique_ptr<Light> light;              // goes first: the others may own its device
+  std::unique_ptr<Light> light;              // last, so that it goes before its device
 };
 using LightFactory = std::function<LightSubject()>;
 

@@ -68,12 +68,15 @@ LightSubject DriftingLight() {
   return subject;
 }
 
-MonitorSubject QuietMonitor() {
-  static const ManualClock clock;
+MonitorSubject NoisyMonitor() {
+  const auto clock = std::make_shared<ManualClock>();
   auto lamp = std::make_shared<SimLamp>(0);
   MonitorSubject subject;
-  subject.monitor = std::make_unique<SimMonitor>("monitor", lamp, 0.002, clock, Random(1, 0));
-  subject.shine = [lamp](double power) { lamp->set_level(power); };
+  subject.noise = 1e-3;
+  subject.monitor =
+      std::make_unique<SimMonitor>("monitor", lamp, subject.noise, *clock, Random(1, 0));
+  // Which keeps the clock, too.
+  subject.shine = [lamp, clock](double power) { lamp->set_level(power); };
   return subject;
 }
 
@@ -81,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(SimIdeal, AxisConformance, testing::Values(IdealAxis));
 INSTANTIATE_TEST_SUITE_P(SimImperfect, AxisConformance, testing::Values(ImperfectAxis));
 INSTANTIATE_TEST_SUITE_P(Sim, CameraConformance, testing::Values(NoisyCamera));
 INSTANTIATE_TEST_SUITE_P(Sim, LightConformance, testing::Values(DriftingLight));
-INSTANTIATE_TEST_SUITE_P(Sim, MonitorConformance, testing::Values(QuietMonitor));
+INSTANTIATE_TEST_SUITE_P(Sim, MonitorConformance, testing::Values(NoisyMonitor));
 
 }  // namespace
 }  // namespace gonio
