@@ -298,18 +298,14 @@ Result<std::unique_ptr<SerialPort>> OpenPort(const SerialSettings& settings, Clo
 Result<std::unique_ptr<Axis>> OpenAxis(std::shared_ptr<Link> link, const Address& address,
                                        std::string_view stage,
                                        const ControllerAxisSettings& settings, Clock* clock) {
-  const auto failed = [&](const Error& error) {
-    return Error{error.code, settings.name + ": " + error.message};
-  };
   const Result<Stage> known = FindStage(stage);
-  if (!known) return failed(known.error());
+  if (!known) return Error{known.error().code, settings.name + ": " + known.error().message};
   ControllerAxisSettings prepared = settings;
   prepared.scale.units_per_radian = known->counts_per_degree * DegFromRad(1);
   auto controller =
       std::make_unique<Controller>(std::move(link), address, *known, settings.limits, clock);
-  if (const auto done = Prepare(*controller, prepared); !done) return failed(done.error());
-  return std::unique_ptr<Axis>(
-      std::make_unique<ControllerAxis>(std::move(controller), prepared, clock));
+  const auto done = Prepare(*controller, prepared);
+  return OpenedAxis(std::move(controller), done, prepared, clock);
 }
 
 }  // namespace gonio::apt

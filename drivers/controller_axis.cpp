@@ -51,6 +51,22 @@ std::string OutsideOf(const AxisLimits& limits, const AxisScale& scale, double l
       DegFromRad(high));
 }
 
+Result<void> ReadBackAs(const std::string& setting, double value, double got, double rounding) {
+  if (std::abs(got - value) <= rounding) return {};
+  return Error{ErrorCode::kRefused,
+               fmt::format("{} was set to {:.6g} and reads {:.6g}", setting, value, got)};
+}
+
+Result<std::unique_ptr<Axis>> OpenedAxis(std::unique_ptr<MotionController> controller,
+                                         const Result<void>& prepared,
+                                         const ControllerAxisSettings& settings, Clock* clock) {
+  if (!prepared) {
+    return Error{prepared.error().code, settings.name + ": " + prepared.error().message};
+  }
+  return std::unique_ptr<Axis>(
+      std::make_unique<ControllerAxis>(std::move(controller), settings, clock));
+}
+
 ControllerAxis::ControllerAxis(std::unique_ptr<MotionController> controller,
                                const ControllerAxisSettings& settings, Clock* clock)
     : controller_(std::move(controller)),

@@ -57,6 +57,9 @@ struct ControllerAxisSettings {
 // Empty if the limits lie between the controller's own, in its unit; else why not.
 std::string OutsideOf(const AxisLimits& limits, const AxisScale& scale, double least, double most);
 
+// kRefused: a setting was set to `value` and reads `got`, which is more than `rounding` off.
+Result<void> ReadBackAs(const std::string& setting, double value, double got, double rounding);
+
 // Keeps the promises of Axis on any MotionController:
 //
 //   - Before each move the controller is asked whether it still has a reference. After a fault, or
@@ -102,5 +105,10 @@ class ControllerAxis final : public Axis {
   double target_ = 0;  // rad, of the last move
   std::string doubt_;  // why the reference needs proof; empty: it does not
 };
+
+// The axis on a controller that was prepared to be one, or the error of that under the axis' name.
+Result<std::unique_ptr<Axis>> OpenedAxis(std::unique_ptr<MotionController> controller,
+                                         const Result<void>& prepared,
+                                         const ControllerAxisSettings& settings, Clock* clock);
 
 }  // namespace gonio

@@ -229,11 +229,7 @@ Result<void> Controller::Set(const std::string& setting, double value) {
   if (!set) return set;
   const Result<double> got = Number(setting + "?");
   if (!got) return got.error();
-  if (std::abs(*got - value) > kRounding * value) {
-    return Error{ErrorCode::kRefused,
-                 fmt::format("{} was set to {:.6g} and reads {:.6g}", setting, value, *got)};
-  }
-  return {};
+  return ReadBackAs(setting, value, *got, kRounding * value);
 }
 
 Result<void> Controller::Prepare() {
@@ -255,11 +251,8 @@ Result<std::unique_ptr<Axis>> OpenAxis(std::shared_ptr<Line> line, const AxisAdd
   ControllerAxisSettings prepared = settings;
   prepared.scale.units_per_radian = DegFromRad(1);
   auto controller = std::make_unique<Controller>(std::move(line), address, prepared);
-  if (const auto done = controller->Prepare(); !done) {
-    return Error{done.error().code, settings.name + ": " + done.error().message};
-  }
-  return std::unique_ptr<Axis>(
-      std::make_unique<ControllerAxis>(std::move(controller), prepared, clock));
+  const auto done = controller->Prepare();
+  return OpenedAxis(std::move(controller), done, prepared, clock);
 }
 
 }  // namespace gonio::gcs2

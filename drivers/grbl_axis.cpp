@@ -118,14 +118,6 @@ Result<void> Prepare(Machine& machine, int axis, const ControllerAxisSettings& s
 
 }  // namespace
 
-SerialSettings PortSettings(const std::string& port) {
-  SerialSettings settings;
-  settings.port = port;
-  settings.baud = 115200;
-  settings.dtr = true;
-  return settings;
-}
-
 Result<std::unique_ptr<Axis>> OpenAxis(std::shared_ptr<Machine> machine, char letter,
                                        const ControllerAxisSettings& settings, Clock* clock) {
   ControllerAxisSettings prepared = settings;
@@ -137,13 +129,10 @@ Result<std::unique_ptr<Axis>> OpenAxis(std::shared_ptr<Machine> machine, char le
                                kAxisLetters.substr(0, static_cast<std::size_t>(axes))));
   }
   const int number = static_cast<int>(axis);
-  if (const auto done = Prepare(*machine, number, prepared); !done) {
-    return Error{done.error().code, settings.name + ": " + done.error().message};
-  }
+  const auto done = Prepare(*machine, number, prepared);
   auto controller = std::make_unique<Controller>(std::move(machine), number,
                                                  DegFromRad(settings.limits.max_speed));
-  return std::unique_ptr<Axis>(
-      std::make_unique<ControllerAxis>(std::move(controller), prepared, clock));
+  return OpenedAxis(std::move(controller), done, prepared, clock);
 }
 
 }  // namespace gonio::grbl

@@ -7,13 +7,8 @@
 
 #include "drivers/controller_axis.h"
 #include "drivers/grbl_machine.h"
-#include "drivers/serial_port.h"
 
 namespace gonio::grbl {
-
-// 115200 baud and DTR raised: the board resets when its port is opened, as most do in any case, so
-// that it is the same every time.
-SerialSettings PortSettings(const std::string& port);
 
 // Opens an axis (drivers/controller_axis.h has its rules) by its letter, "X", "Y", "Z" or "A".
 // $100 and so on are steps per degree in place of settings.scale.units_per_radian; the machine's

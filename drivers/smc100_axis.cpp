@@ -18,7 +18,8 @@ constexpr double kRounding = 1e-3;  // share by which a setting may come back di
 
 class Controller final : public MotionController {
  public:
-  Controller(std::shared_ptr<Line> line, int address) : line_(std::move(line)), address_(address) {}
+  Controller(std::shared_ptr<Line> line, int address, const AxisLimits& limits)
+      : line_(std::move(line)), address_(address), limits_(limits) {}
 
   std::string Identity() const override { return identity_; }
   Result<ControllerStatus> Status() override;
@@ -33,11 +34,14 @@ class Controller final : public MotionController {
 
   Result<void> Identify();
   Result<double> Number(const std::string& command, const std::string& argument);
-  Result<void> Set(const std::string& setting, double value);
+  Result<void> SetSpeeds();
 
  private:
+  Result<void> Set(const std::string& setting, double value);
+
   const std::shared_ptr<Line> line_;
   const int address_;
+  const AxisLimits limits_;
   std::string identity_;
 };
 
@@ -62,6 +66,7 @@ Result<ControllerStatus> Controller::Status() {
 Result<void> Controller::StartHoming() {
   const Result<ControllerStatus> status = Status();
   if (!status) return status.error();
+  if (const auto set = SetSpeeds(); !set) return set;
   return status->homed ? Result<void>() : line_->Command(address_, "OR");
 }
 
@@ -77,16 +82,18 @@ Result<double> Controller::Number(const std::string& command, const std::string&
   return answer ? NumberIn(*answer, command) : answer.error();
 }
 
+// Those of before are back after a reset.
+Result<void> Controller::SetSpeeds() {
+  if (const auto set = Set("VA", DegFromRad(limits_.max_speed)); !set) return set;
+  return Set("AC", DegFromRad(limits_.acceleration));
+}
+
 Result<void> Controller::Set(const std::string& setting, double value) {
   const auto set = line_->Command(address_, fmt::format("{}{:.6f}", setting, value));
   if (!set) return set;
   const Result<double> got = Number(setting, "?");
   if (!got) return got.error();
-  if (std::abs(*got - value) > kRounding * value) {
-    return Error{ErrorCode::kRefused,
-                 fmt::format("{} was set to {:.6g} and reads {:.6g}", setting, value, *got)};
-  }
-  return {};
+  return ReadBackAs(setting, value, *got, kRounding * value);
 }
 
 Result<void> Prepare(Controller& controller, const ControllerAxisSettings& settings) {
@@ -97,9 +104,7 @@ Result<void> Prepare(Controller& controller, const ControllerAxisSettings& setti
   if (!most) return most.error();
   const std::string outside = OutsideOf(settings.limits, settings.scale, *least, *most);
   if (!outside.empty()) return Error{ErrorCode::kRefused, outside + " (SL, SR)"};
-  const auto set = controller.Set("VA", DegFromRad(settings.limits.max_speed));
-  if (!set) return set;
-  return controller.Set("AC", DegFromRad(settings.limits.acceleration));
+  return controller.SetSpeeds();
 }
 
 }  // namespace
@@ -152,14 +157,11 @@ Result<std::string> Line::Exchange(int address, const std::string& command,
 
 Result<std::unique_ptr<Axis>> OpenAxis(std::shared_ptr<Line> line, int address,
                                        const ControllerAxisSettings& settings, Clock* clock) {
-  auto controller = std::make_unique<Controller>(std::move(line), address);
+  auto controller = std::make_unique<Controller>(std::move(line), address, settings.limits);
   ControllerAxisSettings prepared = settings;
   prepared.scale.units_per_radian = DegFromRad(1);
-  if (const auto done = Prepare(*controller, prepared); !done) {
-    return Error{done.error().code, settings.name + ": " + done.error().message};
-  }
-  return std::unique_ptr<Axis>(
-      std::make_unique<ControllerAxis>(std::move(controller), prepared, clock));
+  const auto done = Prepare(*controller, prepared);
+  return OpenedAxis(std::move(controller), done, prepared, clock);
 }
 
 }  // namespace gonio::smc100

@@ -42,7 +42,8 @@ class Line {
 };
 
 // Opens an axis (drivers/controller_axis.h has its rules) that counts in degrees. Its soft limits
-// (SL, SR) must include the settings'; velocity and acceleration are set and read back. It is homed
+// (SL, SR) must include the settings'; velocity and acceleration are set and
+// read back, now and before each homing, since a reset forgets them. It is homed
 // but in the states called NOT REFERENCED, and while homing; one that is homed is not homed again.
 //
 // kRefused: limits outside the controller's, a speed it cannot have. Moves nothing. `line` may be

@@ -116,11 +116,7 @@ Result<void> Controller::Set(const std::string& setting, double value) {
   if (const auto set = Tell(fmt::format("set {} {}", setting, asked)); !set) return set;
   const Result<double> got = Setting(setting);
   if (!got) return got.error();
-  if (std::abs(*got - value) > kRounding * value + 1) {
-    return Error{ErrorCode::kRefused,
-                 fmt::format("{} was set to {} and reads {}", setting, asked, *got)};
-  }
-  return {};
+  return ReadBackAs(setting, value, *got, kRounding * value + 1);
 }
 
 // Scale, limits and speeds: what has to be right before anything moves.
@@ -150,11 +146,8 @@ Result<std::unique_ptr<Axis>> OpenAxis(std::shared_ptr<Chain> chain, const Addre
                                        const ControllerAxisSettings& settings, Clock* clock) {
   auto controller = std::make_unique<Controller>(std::move(chain), address);
   ControllerAxisSettings prepared = settings;
-  if (const auto done = Prepare(*controller, &prepared); !done) {
-    return Error{done.error().code, settings.name + ": " + done.error().message};
-  }
-  return std::unique_ptr<Axis>(
-      std::make_unique<ControllerAxis>(std::move(controller), prepared, clock));
+  const auto done = Prepare(*controller, &prepared);
+  return OpenedAxis(std::move(controller), done, prepared, clock);
 }
 
 }  // namespace gonio::zaber

@@ -13,6 +13,9 @@ namespace {
 
 constexpr double kTop = 40;           // deg/s
 constexpr double kAcceleration = 80;  // deg/s^2
+// After power-up.
+constexpr double kSavedVelocity = 20;
+constexpr double kSavedAcceleration = 80;
 
 }  // namespace
 
@@ -21,7 +24,9 @@ Smc100Emulator::Smc100Emulator(const Smc100Stage& stage, std::shared_ptr<Clock> 
       clock_(std::move(clock)),
       motor_(RadFromDeg(stage.switched_on_at_deg), RadFromDeg(kTop), RadFromDeg(kAcceleration),
              *clock_),
-      counter_zero_(motor_.Position()) {}
+      counter_zero_(motor_.Position()),
+      velocity_(kSavedVelocity),
+      acceleration_(kSavedAcceleration) {}
 
 std::string Smc100Emulator::Receive(std::string_view bytes) {
   const std::lock_guard lock(mutex_);
@@ -123,6 +128,8 @@ void Smc100Emulator::Move(double degrees) {
 void Smc100Emulator::Reset() {
   const std::lock_guard lock(mutex_);
   motor_.Stop();
+  velocity_ = kSavedVelocity;
+  acceleration_ = kSavedAcceleration;
   referenced_ = homing_ = moved_ = false;
   counter_zero_ = motor_.Position();
 }

@@ -54,9 +54,9 @@ class Smc100Emulator {
   bool homing_ = false;
   bool moved_ = false;  // since it was homed
   bool disabled_ = false;
-  double counter_zero_;       // rad, where the controller counts from
-  double velocity_ = 20;      // deg/s
-  double acceleration_ = 80;  // deg/s^2
+  double counter_zero_;  // rad, where the controller counts from
+  double velocity_;      // deg/s
+  double acceleration_;  // deg/s^2
   char error_ = '@';
   unsigned errors_ = 0;
 };

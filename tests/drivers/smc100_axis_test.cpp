@@ -64,6 +64,15 @@ TEST_F(Smc100Faults, NoticesThatACommandWasPassedOver) {
   EXPECT_TRUE(line_->Command(1, "VA10").ok());
 }
 
+// Example failure is an arm that is slower after a power cut, and out of time on its next move.
+TEST_F(Smc100Faults, SetsItsSpeedAgainAfterAReset) {
+  const auto axis = Homed();
+  stage_.Reset();
+  EXPECT_EQ(stage_.Receive("1VA?\r\n"), "1VA20\r\n");
+  ASSERT_TRUE(axis->Home({}).ok());
+  EXPECT_EQ(stage_.Receive("1VA?\r\n"), "1VA28.64789\r\n");
+}
+
 TEST_F(Smc100Faults, ReportsAFollowingError) {
   const auto axis = Homed();
   ASSERT_TRUE(axis->StartMove(2).ok());
