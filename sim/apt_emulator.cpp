@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "core/error.h"
 #include "core/units.h"
 
 namespace gonio {
@@ -49,6 +50,32 @@ AptStage K10cr1() {
   stage.acceleration_units = 136533.33 / 90.9;
   stage.homing_velocity = 73291080;
   stage.backlash = 136533;
+  return stage;
+}
+
+AptStage AptStageOf(const std::string& name) {
+  if (name == "PRM1-Z8") return {};
+  if (name == "K10CR1") return K10cr1();
+  AptStage stage;
+  if (name == "DDR100" || name == "DDR05") {
+    const bool large = name == "DDR100";
+    stage.serial = 28000042;
+    stage.model = "KBD101";
+    stage.counts_per_deg = large ? 9102.22 : 5555.55;
+    stage.velocity_units = large ? 61083.98 : 37282.7;
+    stage.acceleration_units = large ? 6.255 : 3.818;
+  } else if (name == "HDR50" || name == "NR360") {
+    stage.servo = false;
+    stage.serial = 40000042;
+    stage.model = "BSC201";
+    stage.counts_per_deg = 75091 / 0.99997;
+    stage.velocity_units = 4030885 / 0.99997;
+    stage.acceleration_units = 826 / 0.99997;
+  } else {
+    throw ConfigError(name + ": no stage that is emulated");
+  }
+  stage.homing_velocity = static_cast<std::int32_t>(10 * stage.velocity_units);
+  stage.backlash = static_cast<std::int32_t>(stage.counts_per_deg);
   return stage;
 }
 

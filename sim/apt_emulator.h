@@ -34,6 +34,9 @@ struct AptStage {
 
 // A K10CR1, whose stepper motor is counted in other units.
 AptStage K10cr1();
+// Any rotary stage by its name: "PRM1-Z8", "K10CR1", "DDR100", "DDR05", "HDR50", "NR360", with a
+// controller that drives it. Throws ConfigError if it is another.
+AptStage AptStageOf(const std::string& name);
 
 // As much of it as a driver needs; written from the published messages and not from our codec. Like
 // the real one it answers nothing to commands, moves without a reference if it is told to, and says

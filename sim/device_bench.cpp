@@ -30,7 +30,6 @@ UsbPlate PlateOf(int product, const char* description, const std::string& serial
           .serial = serial.empty() ? "SIMULATED" : serial};
 }
 
-// `where` complains if the port's name leads nowhere.
 SerialAdapter AdapterFor(const std::string& port, int number, const std::string& line) {
   SerialAdapter adapter;
   adapter.line = line;
@@ -50,18 +49,20 @@ SerialAdapter AdapterFor(const std::string& port, int number, const std::string&
 
 struct DeviceBench::Instruments {
   explicit Instruments(const BenchDevices& devices)
-      : power_at_full(devices.monitor.settings.reference),
-        full_current(devices.light.full_current) {}
+      : of_light(devices.light), power_at_full(devices.monitor.settings.reference) {}
 
   // W that fall on the monitor's sensor.
   double Power() const {
-    if (full_current <= 0) return power_at_full;
-    return power_at_full * dc2200.Current() / full_current;
+    const bool serial = of_light.driver == LightDevice::Driver::kDc4100;
+    const double current = serial ? dc4100.Current(of_light.channel) : dc2200.Current();
+    return power_at_full * current / of_light.full_current;
   }
 
+  const LightDevice of_light;
   const double power_at_full;
-  const double full_current;
   Dc2200Emulator dc2200;
+  Dc4100Emulator dc4100;
+  PtyServer serial_light{[this](std::string_view bytes) { return dc4100.Receive(bytes); }};
   PowerMeterEmulator meter{[this] { return Power(); }};
   std::unique_ptr<UsbtmcEmulator> light;
   std::unique_ptr<UsbtmcEmulator> monitor;
@@ -74,12 +75,21 @@ DeviceBench::DeviceBench(const BenchDevices& devices, std::shared_ptr<Clock> clo
   }
   wires_.Serve();
   PlugPorts();
+  PlugInstruments(devices);
+}
+
+DeviceBench::~DeviceBench() = default;
+
+void DeviceBench::PlugInstruments(const BenchDevices& devices) {
   Instruments& it = *instruments_;
   if (devices.light.driver == LightDevice::Driver::kDc2200) {
     it.light = std::make_unique<UsbtmcEmulator>(
         PlateOf(0x80c8, "DC2200", devices.light.usb_serial),
         [&it](std::string_view message) { return it.dc2200.Receive(message); });
     usb_.Plug(it.light.get());
+  }
+  if (devices.light.driver == LightDevice::Driver::kDc4100) {
+    usb_.Plug(AdapterFor(devices.light.port.port, ports_, it.serial_light.path()));
   }
   if (devices.monitor.driver == MonitorDevice::Driver::kThorlabs) {
     it.monitor = std::make_unique<UsbtmcEmulator>(
@@ -89,12 +99,9 @@ DeviceBench::DeviceBench(const BenchDevices& devices, std::shared_ptr<Clock> clo
   }
 }
 
-DeviceBench::~DeviceBench() = default;
-
 void DeviceBench::PlugPorts() {
-  int number = 0;
   for (const auto& [port, server] : wires_.lines()) {
-    usb_.Plug(AdapterFor(port, number++, server->path()));
+    usb_.Plug(AdapterFor(port, ports_++, server->path()));
   }
 }
 

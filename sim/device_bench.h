@@ -43,10 +43,12 @@ class DeviceBench {
   struct Instruments;
 
   void PlugPorts();
+  void PlugInstruments(const BenchDevices& devices);
 
   WireBench wires_;
   std::unique_ptr<Instruments> instruments_;
   UsbBench usb_;
+  int ports_ = 0;
 };
 
 }  // namespace gonio

@@ -55,9 +55,8 @@ Stage Roomy(const AxisDevice& device, const AxisLimits& limits) {
   return stage;
 }
 
-// A PRM1-Z8, and a K10CR1 for whatever else is asked for.
 AptStage AptFor(const AxisDevice& device, const AxisLimits& limits) {
-  AptStage stage = device.stage == "PRM1-Z8" ? AptStage{} : K10cr1();
+  AptStage stage = AptStageOf(device.stage);
   if (device.address > 0) stage.module = static_cast<std::uint8_t>(0x20 + device.address);
   stage.channel = static_cast<std::uint8_t>(device.axis);
   stage.fastest_deg_s = std::max(stage.fastest_deg_s, 2 * DegFromRad(limits.max_speed));

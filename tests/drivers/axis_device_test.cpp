@@ -128,7 +128,10 @@ INSTANTIATE_TEST_SUITE_P(
     Axes, EveryDriver,
     testing::Values(Named{"driver: zaber"}, Named{"driver: smc100"}, Named{"driver: conex-cc"},
                     Named{"driver: esp301, axis: 2"}, Named{"driver: apt, stage: PRM1-Z8"},
-                    Named{"driver: apt, stage: K10CR1"}, Named{"driver: gcs2"},
+                    Named{"driver: apt, stage: K10CR1"}, Named{"driver: apt, stage: DDR100"},
+                    Named{"driver: apt, stage: DDR05"},
+                    Named{"driver: apt, stage: HDR50, address: 2"},
+                    Named{"driver: apt, stage: NR360"}, Named{"driver: gcs2"},
                     Named{"driver: gcs2, address: 3"}, Named{"driver: grbl, axis: 2", 2.6}));
 
 // A cable in the wrong socket. Example failure is a driver that opens whatever answers.
