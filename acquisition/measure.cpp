@@ -147,6 +147,10 @@ Result<void> PoseMeasurer::AddExposure(Seconds exposure, double monitor, PoseRec
 
 Result<double> PoseMeasurer::ReadMonitor() {
   auto reading = devices_.monitor->Read();
+  // Not a reason to skip this pose: the next would have none either.
+  if (!reading && reading.error().code == ErrorCode::kRefused) {
+    return Error{ErrorCode::kProtocol, reading.error().message};
+  }
   if (!reading) return reading;
   // Also true of NaN.
   if (!(*reading >= kLightIsOut * rig_.light_level) || !std::isfinite(*reading)) {

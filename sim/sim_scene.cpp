@@ -25,7 +25,7 @@ Result<void> ReadbackScene::Look() {
     const Result<AxisState> state = axes_[i]->State();
     if (!state) return state.error();
     if (state->moving) {
-      return Error{ErrorCode::kRefused, axes_[i]->name() + ": moves while the shutter is open"};
+      return Error{ErrorCode::kProtocol, axes_[i]->name() + ": moves while the shutter is open"};
     }
     arms_[i] = state->position;
   }

@@ -48,7 +48,7 @@ class MotorScene final : public SimScene {
 class ReadbackScene final : public SimScene {
  public:
   ReadbackScene(const std::array<Axis*, 4>& axes, Light* light) : axes_(axes), light_(light) {}
-  // kRefused: an axis moves.
+  // kProtocol: an axis moves.
   Result<void> Look() override;
   SimArms ArmsAt(Seconds) const override { return arms_; }
   bool MovingBetween(Seconds, Seconds) const override { return false; }

@@ -38,6 +38,27 @@ TEST(PoseMeasurer, MeasuresAPaperInOneFrameWhenItKnowsWhatToExpect) {
   }
 }
 
+class OverRange final : public Monitor {
+ public:
+  const std::string& name() const override { return name_; }
+  const std::string& identity() const override { return name_; }
+  Result<double> Read() override { return Error{ErrorCode::kRefused, "monitor: no reading"}; }
+
+ private:
+  const std::string name_ = "monitor";
+};
+
+// Example failure is a night of poses that are skipped one after the other.
+TEST(PoseMeasurer, DoesNotSkipAPoseForWantOfAMonitor) {
+  SimulatedRig rig(kPaper);
+  PoseMeasurer measurer = rig.Prepared();
+  rig.devices.monitor = std::make_unique<OverRange>();
+  const auto record = measurer.Measure(PairAt(20, 30), Rgb(0.3, 0.3, 0.3), {});
+  ASSERT_FALSE(record.ok());
+  EXPECT_EQ(record.error().code, ErrorCode::kProtocol);
+  EXPECT_EQ(record.error().message, "monitor: no reading");
+}
+
 TEST(PoseMeasurer, RepeatsTheFrameThatSuitsAsOftenAsAskedAndAllowed) {
   SimulatedRig rig(kPaper);
   PoseMeasurer measurer = rig.Prepared();
