@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <optional>
+#include <system_error>
 #include <utility>
 
 #include "drivers/deadline.h"
@@ -54,6 +56,14 @@ Result<std::string> PathOf(const std::string& port) {
   }
   return Refused(fmt::format("{}: {} ports have this USB serial number: {}", port, found.size(),
                              fmt::join(found, ", ")));
+}
+
+// What a symbolic link, as in /dev/serial/by-id, leads to: the library knows ports by their own
+// names only.
+std::string BehindLinks(const std::string& path) {
+  std::error_code nowhere;
+  const auto real = std::filesystem::canonical(path, nowhere);
+  return nowhere ? path : real.string();
 }
 
 // What went wrong in the library's last call, which returned this.
@@ -156,7 +166,8 @@ Result<std::unique_ptr<SerialPort>> SerialPort::Open(const SerialSettings& setti
   const Result<std::string> path = PathOf(settings.port);
   if (!path) return path.error();
   auto handle = std::make_unique<Handle>();
-  if (sp_get_port_by_name(path->c_str(), &handle->port) != SP_OK) {
+  if (sp_get_port_by_name(path->c_str(), &handle->port) != SP_OK &&
+      sp_get_port_by_name(BehindLinks(*path).c_str(), &handle->port) != SP_OK) {
     return Refused(
         fmt::format("{}: no such serial port; gonio devices lists those there are", *path));
   }

@@ -17,8 +17,8 @@ struct SerialSettings {
   enum class Flow { kNone, kRtsCts, kXonXoff };
   enum class Parity { kNone, kEven, kOdd };
 
-  // "/dev/ttyUSB0", or "usb:SERIAL" for the port of the USB adapter with that serial number, which
-  // stays the same whatever is plugged in first.
+  // "/dev/ttyUSB0" or a link to it, or "usb:SERIAL" for the port of the USB adapter with that
+  // serial number, which stays the same whatever is plugged in first.
   std::string port;
   int baud = 115200;  // > 0; 8 data bits, as all of our devices have
   int stop_bits = 1;  // 1, 2

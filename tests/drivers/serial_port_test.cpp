@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "sim/pty.h"
+#include "tests/core/temp_dir.h"
 
 namespace gonio {
 namespace {
@@ -41,6 +42,19 @@ double ProcessorSeconds() {
   timespec time = {};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+// As in /dev/serial/by-id. Example failure is "no such port" for a name the system itself gives.
+TEST(SerialPort, OpensWhatALinkLeadsTo) {
+  Pty pty;
+  const TempDir dir;
+  std::filesystem::create_symlink(pty.path(), dir / "usb-Maker_Stage_A1");
+  SerialSettings settings;
+  settings.port = dir / "usb-Maker_Stage_A1";
+  const auto port = SerialPort::Open(settings);
+  ASSERT_TRUE(port.ok()) << port.error().message;
+  pty.Send("abc");
+  EXPECT_EQ(ReadAll(**port, 3), "abc");
 }
 
 TEST(SerialPort, CarriesEveryByteBothWays) {
