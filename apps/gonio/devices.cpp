@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// gonio devices: what is plugged into this machine.
+// gonio devices: what is plugged into this machine, as far as we could drive it.
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
@@ -8,6 +8,7 @@
 #include "apps/gonio/commands.h"
 #include "apps/gonio/json_file.h"
 #include "drivers/serial_port.h"
+#include "drivers/usbtmc.h"
 
 namespace gonio {
 namespace {
@@ -25,7 +26,17 @@ void Print(const std::vector<SerialPortInfo>& ports) {
   }
 }
 
-nlohmann::json ToJson(const std::vector<SerialPortInfo>& ports) {
+void Print(const std::vector<UsbDeviceInfo>& instruments) {
+  if (instruments.empty()) return;
+  fmt::print("{:16} {:20} {}\n", "USB instrument", "serial number", "description");
+  for (const UsbDeviceInfo& it : instruments) {
+    fmt::print("{:04x}:{:04x}        {:20} {}\n", it.vendor, it.product,
+               it.serial.empty() ? "(no permission)" : it.serial, it.description);
+  }
+}
+
+nlohmann::json ToJson(const std::vector<SerialPortInfo>& ports,
+                      const std::vector<UsbDeviceInfo>& instruments) {
   nlohmann::json list = nlohmann::json::array();
   for (const SerialPortInfo& port : ports) {
     list.push_back({{"path", port.path},
@@ -33,7 +44,13 @@ nlohmann::json ToJson(const std::vector<SerialPortInfo>& ports) {
                     {"usb_id", port.usb_id},
                     {"usb_serial", port.usb_serial}});
   }
-  return {{"serial_ports", list}};
+  nlohmann::json usb = nlohmann::json::array();
+  for (const UsbDeviceInfo& it : instruments) {
+    usb.push_back({{"usb_id", fmt::format("{:04x}:{:04x}", it.vendor, it.product)},
+                   {"usb_serial", it.serial},
+                   {"description", it.description}});
+  }
+  return {{"serial_ports", list}, {"usb_instruments", usb}};
 }
 
 }  // namespace
@@ -41,8 +58,13 @@ nlohmann::json ToJson(const std::vector<SerialPortInfo>& ports) {
 int DevicesCommand(const DevicesOptions& options) {
   const Result<std::vector<SerialPortInfo>> ports = ListSerialPorts();
   if (!ports) throw std::runtime_error(ports.error().message);
-  if (options.json != "-") Print(*ports);
-  if (!options.json.empty()) WriteJson(options.json, ToJson(*ports));
+  const Result<std::vector<UsbDeviceInfo>> instruments = ListUsbtmcDevices();
+  if (!instruments) throw std::runtime_error(instruments.error().message);
+  if (options.json != "-") {
+    Print(*ports);
+    Print(*instruments);
+  }
+  if (!options.json.empty()) WriteJson(options.json, ToJson(*ports, *instruments));
   return kDone;
 }
 

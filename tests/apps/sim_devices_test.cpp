@@ -65,6 +65,27 @@ TEST_F(SimDevices, ASessionOverTheWiresMeasuresTheSample) {
   EXPECT_THAT(devices.at("monitor"), HasSubstr("PM100D"));
 }
 
+// A light on a serial line, and another stage. Example failure is a bench without one of the
+// devices that rig files may name.
+TEST_F(SimDevices, HasADoubleOfEveryLight) {
+  File("grey.yaml", kGrey);
+  std::string rig = ReadTextFile(std::string(GONIO_SOURCE_DIR) + "/configs/bench-wire.yaml");
+  const auto put = [&](const std::string& old, const std::string& now) {
+    const auto at = rig.find(old);
+    ASSERT_NE(at, std::string::npos) << old;
+    rig = rig.substr(0, at) + now + rig.substr(at + old.size());
+  };
+  put("driver: dc2200, usb_serial: M00412345", "driver: dc4100, port: 'usb:LEDS', channel: 2");
+  put("'usb:55000123', stage: K10CR1", "'usb:28000042', stage: DDR100");
+  File("rig.yaml", rig);
+  const Finished finished = OnBench(
+      "rig.yaml", "\"$GONIO\" run --rig rig.yaml --material grey.yaml --max-poses 2 --out s");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const auto devices = ReadSession(work() / "s").info.devices;
+  EXPECT_THAT(devices.at("light"), HasSubstr("DC4100"));
+  EXPECT_THAT(devices.at("camera_azimuth"), HasSubstr("KBD101"));
+}
+
 TEST_F(SimDevices, EveryExchangeIsInTheLog) {
   File("grey.yaml", kGrey);
   ASSERT_EQ(OnBench("bench-wire.yaml",
@@ -98,6 +119,13 @@ TEST_F(SimDevices, ADeviceThatIsNotThereIsNamedBeforeAnythingMoves) {
   ExpectRefused(finished, 2,
                 {"other.yaml:", "light.device", "M00499999: not plugged in", "M00412345"});
   EXPECT_FALSE(std::filesystem::exists(work() / "session"));
+}
+
+TEST_F(SimDevices, AreListed) {
+  const std::string list = OnBench("bench-wire.yaml", "\"$GONIO\" devices").out;
+  EXPECT_THAT(list, HasSubstr("usb:BENCH-CHAIN"));
+  EXPECT_THAT(list, HasSubstr("1313:80c8        M00412345            DC2200"));
+  EXPECT_THAT(list, HasSubstr("1313:8078        P0012345             PM100D"));
 }
 
 TEST_F(SimDevices, PassesOnWhatTheCommandEndedWith) {
