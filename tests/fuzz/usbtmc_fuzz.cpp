@@ -1,12 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// Whatever a USB instrument sends, its decoders accept it within their promises or refuse it. With
-// clang:
-//
-//   clang++ -std=c++20 -g -fsanitize=fuzzer,address,undefined -I. tests/fuzz/usbtmc_fuzz.cpp
-//     drivers/usbtmc_codec.cpp drivers/wire_text.cpp core/error.cpp core/check.cpp -lfmt
-//   ./a.out tests/fuzz/corpus/usbtmc
-//
-// Of each input the first byte is the tag and the two after it the size that were asked for.
+// Whatever a USB instrument sends, its decoders accept it within their promises or refuse it. Of
+// each input the first byte is the tag and the two after it the size that were asked for.
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
