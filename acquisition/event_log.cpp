@@ -148,7 +148,7 @@ struct EventLog::Impl {
     const std::vector<std::uint8_t> bytes = LittleEndian(frame.counts);
     sqlite::Statement(db, "INSERT INTO exposures VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
         .Run(pose, number, frame.exposure.count(), frame.black_level, exposure.monitor,
-             frame.start.count(), frame.width, frame.height, frame.channels,
+             frame.start.count(), frame.width, frame.height, CountsPerPixel(frame.layout),
              int{exposure.saturated[0]}, int{exposure.saturated[1]}, int{exposure.saturated[2]},
              std::span<const std::uint8_t>(bytes));
   }

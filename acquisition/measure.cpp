@@ -19,8 +19,8 @@ constexpr double kUnknownReflectance = 0.3;
 
 bool WholeFrame(const Frame& frame, const CameraInfo& info) {
   return frame.width == info.width && frame.height == info.height &&
-         frame.channels == info.channels && frame.exposure > Seconds::zero() &&
-         frame.counts.size() == static_cast<std::size_t>(info.width) * info.height * info.channels;
+         frame.layout == info.layout && frame.exposure > Seconds::zero() &&
+         frame.counts.size() == info.counts();
 }
 
 // How many channels are saturated.
@@ -165,11 +165,11 @@ Result<Exposure> PoseMeasurer::Expose(Seconds exposure, double monitor, std::sto
   auto frame = devices_.camera->Capture(exposure, stop);
   if (!frame) return frame.error();
   if (!WholeFrame(*frame, rig_.camera)) {
-    return Error{
-        ErrorCode::kProtocol,
-        fmt::format("{}: sent {} counts for a frame of {} x {} x {}, expected {} x {} x {}",
-                    devices_.camera->name(), frame->counts.size(), frame->width, frame->height,
-                    frame->channels, rig_.camera.width, rig_.camera.height, rig_.camera.channels)};
+    return Error{ErrorCode::kProtocol,
+                 fmt::format("{}: sent {} counts for a frame of {} x {} {}, expected {} x {} {}",
+                             devices_.camera->name(), frame->counts.size(), frame->width,
+                             frame->height, ToString(frame->layout), rig_.camera.width,
+                             rig_.camera.height, ToString(rig_.camera.layout))};
   }
   Exposure taken;
   taken.frame = std::move(frame).value();

@@ -58,7 +58,6 @@ CameraInfo ReadCamera(const ConfigNode& node) {
   CameraInfo camera;
   camera.width = node.Integer("width_px", 1, 16384);
   camera.height = node.Integer("height_px", 1, 16384);
-  camera.channels = kChannels;
   camera.full_scale = node.Integer("full_scale_counts", 255, 65535);
   const double min = node.Number("min_exposure_s", Range::Positive());
   const double max = node.Number("max_exposure_s", Range::Positive());

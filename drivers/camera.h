@@ -3,7 +3,9 @@
 
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -13,25 +15,51 @@
 
 namespace gonio {
 
+// Which colour a pixel sees.
+//
+// Bayer mosaics are named as in GenICam's PFNC: by the first two pixels of the first row that is
+// read out.
+enum class PixelLayout {
+  kMono,     // one count per pixel, all of the light
+  kRgb,      // three counts per pixel, interleaved
+  kBayerRg,  // one count per pixel, in cells of two by two: RG/GB
+  kBayerGr,  // GR/BG
+  kBayerGb,  // GB/RG
+  kBayerBg,  // BG/GR
+};
+// "mono", "rgb", "bayer-rg", ...: as in rig files and in the log.
+const char* ToString(PixelLayout layout);
+// Counts per pixel: 3 for kRgb, otherwise 1.
+int CountsPerPixel(PixelLayout layout);
+// 0, 1, 2: the colour that the pixel at column x, row y of a Bayer mosaic sees.
+int BayerChannel(PixelLayout layout, int x, int y);
+
 struct CameraInfo {
-  int width = 1;            // pixels of the region that is read out
-  int height = 1;           // pixels
-  int channels = 3;         // red, green, blue, interleaved
+  int width = 1;   // pixels of the region that is read out
+  int height = 1;  // pixels
+  PixelLayout layout = PixelLayout::kRgb;
   int full_scale = 4095;    // counts; this value and above mean saturated
   Seconds min_exposure{0};  // > 0
   Seconds max_exposure{0};  // > min_exposure
   Seconds readout{0};       // from the end of the exposure to the next possible start
+
+  std::size_t counts() const {
+    return static_cast<std::size_t>(width) * height * CountsPerPixel(layout);
+  }
 };
 
 // One exposure as it left the detector, with the settings it was *really* taken with.
 struct Frame {
   int width = 0;
   int height = 0;
-  int channels = 0;
-  std::vector<std::uint16_t> counts;  // row-major, channels interleaved, width*height*channels
+  PixelLayout layout = PixelLayout::kRgb;
+  // Row-major, right-aligned (full scale of 12 bits is 4095), CountsPerPixel(layout) of each pixel.
+  std::vector<std::uint16_t> counts;
   Seconds exposure{0};
-  double black_level = 0;  // counts at zero light and zero exposure
-  Seconds start{0};        // on the session's clock
+  double gain_db = 0;
+  double black_level = 0;               // counts at zero light and zero exposure
+  std::optional<double> temperature_c = std::nullopt;  // of the sensor, if the camera tells
+  Seconds start{0};                     // on the session's clock
 };
 
 // A detector that takes one frame at a time.

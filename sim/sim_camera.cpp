@@ -61,7 +61,7 @@ Frame SimCamera::Expose(const Rgb& signal, Seconds exposure) {
   Frame frame;
   frame.width = info_.width;
   frame.height = info_.height;
-  frame.channels = info_.channels;
+  frame.layout = info_.layout;
   frame.exposure = exposure;
   frame.black_level = truth_.black_level;
   std::array<double, kChannels> seen{};
@@ -69,7 +69,7 @@ Frame SimCamera::Expose(const Rgb& signal, Seconds exposure) {
     seen[c] = std::max(0.0, signal[c] * (1 + truth_.multiplicative_noise * random_.Normal()));
   }
   const double dark = truth_.dark_current * exposure.count();
-  frame.counts.resize(static_cast<std::size_t>(info_.width) * info_.height * info_.channels);
+  frame.counts.resize(info_.counts());
   for (std::size_t i = 0; i < frame.counts.size(); ++i) {
     frame.counts[i] = Count(seen[i % kChannels], dark);
   }

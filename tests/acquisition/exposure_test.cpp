@@ -18,7 +18,6 @@ Exposure Take(const Rgb& rates, Seconds exposure, const RigConfig& rig) {
   Exposure taken;
   taken.frame = {.width = rig.camera.width,
                  .height = rig.camera.height,
-                 .channels = kChannels,
                  .counts = {},
                  .exposure = exposure,
                  .black_level = kBlack};
@@ -52,7 +51,7 @@ bool Good(const std::vector<Exposure>& taken, int c, const RigConfig& rig) {
 }
 
 TEST(MeansOf, SubtractsTheBlackLevelAndCountsClippedPixels) {
-  Frame frame{.width = 2, .height = 1, .channels = 3, .counts = {}, .black_level = 10};
+  Frame frame{.width = 2, .height = 1, .counts = {}, .black_level = 10};
   frame.counts = {10, 4095, 100, 0, 4095, 4095};
   const FrameMeans means = MeansOf(frame, 4095);
   EXPECT_EQ(means.counts[0], -5);

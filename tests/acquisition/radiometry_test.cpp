@@ -17,7 +17,6 @@ Exposure FrameOf(const Rgb& counts, double exposure_s, double black, double moni
   e.monitor = monitor;
   e.frame = {.width = 8,
              .height = 8,
-             .channels = 3,
              .counts = {},
              .exposure = Seconds(exposure_s),
              .black_level = black};

@@ -45,7 +45,7 @@ TEST(ReadRig, ReadsTheDefaultFileInRadiansAndSeconds) {
   EXPECT_DOUBLE_EQ(rig.axes[kCameraAzimuth].max_speed, RadFromDeg(20));
   EXPECT_DOUBLE_EQ(rig.geometry.max_polar, RadFromDeg(86));
   EXPECT_DOUBLE_EQ(rig.motion.settle.count(), 0.5);
-  EXPECT_EQ(rig.camera.channels, kChannels);
+  EXPECT_EQ(rig.camera.layout, PixelLayout::kRgb);
   EXPECT_EQ(rig.radiometry.responsivity[1], 120e3);
   EXPECT_EQ(rig.dense_brackets, 3);
 }

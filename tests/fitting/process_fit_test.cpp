@@ -16,11 +16,6 @@
 namespace gonio {
 namespace {
 
-const Prior& Learned() {
-  static const Prior prior = SmallProcessPrior();
-  return prior;
-}
-
 // Between the paints that were learned from, and like none of them.
 AnalyticBrdf Unseen() { return PaintOf(0.22, 0.2); }
 
@@ -54,8 +49,10 @@ TEST(GeneralisedLog, IsTurnedRound) {
 
 TEST(ProcessFit, LearnsAMaterialItHasNotSeenFromAFewReadings) {
   const AnalyticBrdf material = Unseen();
-  const double few = ErrorOf(material, *FitProcess(Readings(material, 4, 0.01), Learned()));
-  const double some = ErrorOf(material, *FitProcess(Readings(material, 16, 0.01), Learned()));
+  const double few =
+      ErrorOf(material, *FitProcess(Readings(material, 4, 0.01), SmallProcessPrior()));
+  const double some =
+      ErrorOf(material, *FitProcess(Readings(material, 16, 0.01), SmallProcessPrior()));
   EXPECT_LT(some, 0.06);
   EXPECT_LT(some, few);
 }
@@ -65,7 +62,7 @@ TEST(ProcessFit, HoldsTheTruthInItsIntervals) {
   int all = 0;
   for (const double albedo : {0.15, 0.25, 0.45}) {
     const AnalyticBrdf material = PaintOf(0.25, albedo);
-    const auto fit = FitProcess(Readings(material, 20, 0.01), Learned());
+    const auto fit = FitProcess(Readings(material, 20, 0.01), SmallProcessPrior());
     Random random(5, 0);
     for (int n = 0; n < 200; ++n, all += kChannels) {
       const DirectionPair pair = RandomPose(random);
@@ -79,8 +76,8 @@ TEST(ProcessFit, HoldsTheTruthInItsIntervals) {
 
 TEST(ProcessFit, GrowsSurerAndItsIntervalsNest) {
   const AnalyticBrdf material = Unseen();
-  const auto few = FitProcess(Readings(material, 5, 0.01), Learned());
-  const auto many = FitProcess(Readings(material, 60, 0.01), Learned());
+  const auto few = FitProcess(Readings(material, 5, 0.01), SmallProcessPrior());
+  const auto many = FitProcess(Readings(material, 60, 0.01), SmallProcessPrior());
   const HalfDiff angles{0.3, 0.5, 1};
   EXPECT_LT(many->SpreadAt(angles).maxCoeff(), few->SpreadAt(angles).maxCoeff());
   const Interval half = few->PredictInterval(angles, 0.5);
@@ -129,7 +126,7 @@ TEST(ProcessFit, GivesTheDarkAnIntervalThatBeginsAtZero) {
     sample.f_r -= 0.03;
     sample.sigma = Rgb::Constant(0.003);
   }
-  const auto fit = FitProcess(samples, Learned());
+  const auto fit = FitProcess(samples, SmallProcessPrior());
   const HalfDiff angles{0.8, 0.3, 1};
   EXPECT_TRUE((*fit->Eval(angles) == 0).all());
   const Interval interval = fit->PredictInterval(angles, 0.9);
@@ -140,10 +137,10 @@ TEST(ProcessFit, GivesTheDarkAnIntervalThatBeginsAtZero) {
 TEST(ProcessFit, IsNotThrownByOneWildReading) {
   const AnalyticBrdf material = Unseen();
   std::vector<BrdfSample> samples = Readings(material, 30, 0.01);
-  const double before = ErrorOf(material, *FitProcess(samples, Learned()));
+  const double before = ErrorOf(material, *FitProcess(samples, SmallProcessPrior()));
   samples[7].f_r *= 3;
   samples[7].sigma *= 3;
-  EXPECT_LT(ErrorOf(material, *FitProcess(samples, Learned())), 2 * before + 0.01);
+  EXPECT_LT(ErrorOf(material, *FitProcess(samples, SmallProcessPrior())), 2 * before + 0.01);
 }
 
 TEST(ProcessFit, DoesWithoutAChannelThatIsMissing) {
@@ -153,11 +150,11 @@ TEST(ProcessFit, DoesWithoutAChannelThatIsMissing) {
     samples[n].f_r[2] = 0;
     samples[n].sigma[2] = std::numeric_limits<double>::infinity();
   }
-  EXPECT_LT(ErrorOf(material, *FitProcess(samples, Learned())), 0.08);
+  EXPECT_LT(ErrorOf(material, *FitProcess(samples, SmallProcessPrior())), 0.08);
 }
 
 TEST(ProcessFit, KnowsNothingBelowTheHorizon) {
-  const auto fit = FitProcess(Readings(Unseen(), 5, 0.01), Learned());
+  const auto fit = FitProcess(Readings(Unseen(), 5, 0.01), SmallProcessPrior());
   EXPECT_FALSE(fit->Eval(HalfDiff{1.4, 1.4, 0.1}).has_value());
 }
 
@@ -165,7 +162,7 @@ TEST(ProcessFit, RefusesWhatItCannotFit) {
   const std::vector<BrdfSample> samples = Readings(Unseen(), 3, 0.01);
   EXPECT_EQ(MessageOf<ConfigError>([&] { FitProcess(samples, GenericPrior()); }),
             "prior generic: has no process; learn one with gonio prior learn");
-  EXPECT_EQ(MessageOf<ConfigError>([&] { FitProcess({}, Learned()); }),
+  EXPECT_EQ(MessageOf<ConfigError>([&] { FitProcess({}, SmallProcessPrior()); }),
             "nothing to fit: no sample has a channel with a finite sigma");
 }
 
@@ -211,18 +208,18 @@ TEST(LearnPrior, LearnsFromGreyMaterialsToo) {
 
 TEST(PriorFile, KeepsAProcessToFourDigits) {
   const TempDir dir;
-  WritePrior(dir / "prior.yaml", Learned());
+  WritePrior(dir / "prior.yaml", SmallProcessPrior());
   const Prior read = ReadPrior(dir / "prior.yaml");
   ASSERT_NE(read.process, nullptr);
-  EXPECT_EQ(read.process->basis, Learned().process->basis);
-  EXPECT_EQ(read.process->floor, Learned().process->floor);
-  EXPECT_EQ(read.process->error_margin, Learned().process->error_margin);
-  EXPECT_TRUE(read.process->luminance.isApprox(Learned().process->luminance, 1e-3));
-  EXPECT_TRUE(read.process->chroma.isApprox(Learned().process->chroma, 1e-3));
-  EXPECT_TRUE(read.process->mean.isApprox(Learned().process->mean, 1e-3));
+  EXPECT_EQ(read.process->basis, SmallProcessPrior().process->basis);
+  EXPECT_EQ(read.process->floor, SmallProcessPrior().process->floor);
+  EXPECT_EQ(read.process->error_margin, SmallProcessPrior().process->error_margin);
+  EXPECT_TRUE(read.process->luminance.isApprox(SmallProcessPrior().process->luminance, 1e-3));
+  EXPECT_TRUE(read.process->chroma.isApprox(SmallProcessPrior().process->chroma, 1e-3));
+  EXPECT_TRUE(read.process->mean.isApprox(SmallProcessPrior().process->mean, 1e-3));
   const std::vector<BrdfSample> samples = Readings(Unseen(), 12, 0.01);
   const HalfDiff angles{0.3, 0.5, 1};
-  const Rgb before = *FitProcess(samples, Learned())->Eval(angles);
+  const Rgb before = *FitProcess(samples, SmallProcessPrior())->Eval(angles);
   EXPECT_LT((*FitProcess(samples, read)->Eval(angles) / before - 1).abs().maxCoeff(), 1e-3);
 }
 

@@ -27,17 +27,20 @@ inline LearnOptions SmallLearnOptions() {
   return options;
 }
 
-// Learned from nine paints of roughness 0.15 .. 0.5 and albedo 0.1 .. 0.6.
-inline Prior SmallProcessPrior() {
-  std::vector<std::unique_ptr<AnalyticBrdf>> paints;
-  std::vector<TrainingMaterial> materials;
-  for (const double roughness : {0.15, 0.3, 0.5}) {
-    for (const double albedo : {0.1, 0.3, 0.6}) {
-      paints.push_back(std::make_unique<AnalyticBrdf>(PaintOf(roughness, albedo)));
-      materials.push_back({"paint" + std::to_string(paints.size()), paints.back().get()});
+// Learned from nine paints of roughness 0.15 .. 0.5 and albedo 0.1 .. 0.6, once for each program.
+inline const Prior& SmallProcessPrior() {
+  static const Prior learned = [] {
+    std::vector<std::unique_ptr<AnalyticBrdf>> paints;
+    std::vector<TrainingMaterial> materials;
+    for (const double roughness : {0.15, 0.3, 0.5}) {
+      for (const double albedo : {0.1, 0.3, 0.6}) {
+        paints.push_back(std::make_unique<AnalyticBrdf>(PaintOf(roughness, albedo)));
+        materials.push_back({"paint" + std::to_string(paints.size()), paints.back().get()});
+      }
     }
-  }
-  return LearnPrior(materials, SmallLearnOptions());
+    return LearnPrior(materials, SmallLearnOptions());
+  }();
+  return learned;
 }
 
 }  // namespace gonio

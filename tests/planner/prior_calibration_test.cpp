@@ -24,12 +24,18 @@ class PriorCalibration : public testing::Test {
   }
   std::vector<std::unique_ptr<AnalyticBrdf>> paints_;
   std::vector<TrainingMaterial> materials_;
+  // Calibrated once for all tests.
+  const Prior& Calibrated() {
+    static const Prior prior = LearnCalibratedPrior(materials_, SmallLearnOptions(), options_);
+    return prior;
+  }
+
   CalibrationOptions options_{.folds = 3, .poses = {4, 8}, .directions = 100};
 };
 
 TEST_F(PriorCalibration, WidensAsMuchAsLeftOutMaterialsAsk) {
   const Prior plain = LearnPrior(materials_, SmallLearnOptions());
-  const Prior prior = LearnCalibratedPrior(materials_, SmallLearnOptions(), options_);
+  const Prior& prior = Calibrated();
   EXPECT_EQ(prior.process->luminance, plain.process->luminance);
   ASSERT_EQ(prior.process->calibration.size(), 5u);
   for (std::size_t i = 1; i < 5; ++i) {
@@ -51,7 +57,7 @@ TEST_F(PriorCalibration, WidensAsMuchAsLeftOutMaterialsAsk) {
 TEST_F(PriorCalibration, DoesNotDependOnTheNumberOfThreads) {
   LearnOptions two = SmallLearnOptions();
   two.threads = 2;
-  const Prior one = LearnCalibratedPrior(materials_, SmallLearnOptions(), options_);
+  const Prior& one = Calibrated();
   const Prior other = LearnCalibratedPrior(materials_, two, options_);
   EXPECT_EQ(one.process->error_margin, other.process->error_margin);
   for (std::size_t i = 0; i < 5; ++i) {

@@ -12,11 +12,6 @@
 namespace gonio {
 namespace {
 
-const Prior& Learned() {
-  static const Prior prior = SmallProcessPrior();
-  return prior;
-}
-
 std::vector<Candidate> Candidates() {
   return MakeCandidates(
       {.theta_h_count = 16, .theta_d_count = 16, .phi_choices = 2, .phi_span = kPi}, {});
@@ -28,7 +23,7 @@ ProcessPlannerOptions Options(int max_poses) {
   options.min_gain = 0;
   options.gain.targets = 200;
   options.gain.coarse = 200;
-  options.prior = Learned().process;
+  options.prior = SmallProcessPrior().process;
   return options;
 }
 
@@ -44,7 +39,7 @@ std::vector<Proposal> MeasureAll(Planner& planner) {
 }
 
 TEST(ProcessGain, SupposesWhatMeasuringWouldTeach) {
-  const auto model = std::make_shared<const ProcessModel>(*Learned().process);
+  const auto model = std::make_shared<const ProcessModel>(*SmallProcessPrior().process);
   ProcessOptions process;
   process.stationary_scales = {1};
   process.scale_weight = 0;
@@ -62,7 +57,7 @@ TEST(ProcessGain, SupposesWhatMeasuringWouldTeach) {
 }
 
 TEST(ProcessGain, ChoosesTheSameWhetherScoredAtOnceOrInTwoSteps) {
-  const auto model = std::make_shared<const ProcessModel>(*Learned().process);
+  const auto model = std::make_shared<const ProcessModel>(*SmallProcessPrior().process);
   const ProcessOptions process;
   ProcessGainOptions options;
   options.targets = 200;
@@ -80,7 +75,7 @@ TEST(ProcessGain, ChoosesTheSameWhetherScoredAtOnceOrInTwoSteps) {
 
 // In single precision what is known there comes out below nothing, and its root is no number.
 TEST(ProcessGain, ExpectsAnErrorWhereItsTargetsAreKnownExactly) {
-  const auto model = std::make_shared<const ProcessModel>(*Learned().process);
+  const auto model = std::make_shared<const ProcessModel>(*SmallProcessPrior().process);
   ProcessOptions process;
   process.model_error = process.repeatability = 0;
   const ProcessGainOptions options = Options(1).gain;

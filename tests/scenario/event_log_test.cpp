@@ -29,7 +29,6 @@ PoseRecord SomeRecord() {
   Exposure exposure;
   exposure.frame = {.width = 1,
                     .height = 2,
-                    .channels = 3,
                     .counts = {0, 1, 258, 4095, 65535, 3},
                     .exposure = Seconds(0.25),
                     .black_level = 64,
