@@ -18,9 +18,8 @@ constexpr double kLightIsOut = 0.1;
 constexpr double kUnknownReflectance = 0.3;
 
 bool WholeFrame(const Frame& frame, const CameraInfo& info) {
-  return frame.width == info.width && frame.height == info.height &&
-         frame.layout == info.layout && frame.exposure > Seconds::zero() &&
-         frame.counts.size() == info.counts();
+  return frame.width == info.width && frame.height == info.height && frame.layout == info.layout &&
+         frame.exposure > Seconds::zero() && frame.counts.size() == info.counts();
 }
 
 // How many channels are saturated.

@@ -8,8 +8,8 @@
 
 namespace gonio {
 
-// The sample's surface touches the axes' common point, the origin of the sample's frame, from below,
-// with its normal there along z.
+// The sample's surface touches the axes' common point, the origin of the sample's frame, from
+// below, with its normal there along z.
 struct SampleShape {
   enum class Kind {
     kFlat,      // the plane z = 0
@@ -27,9 +27,10 @@ struct SampleShape {
 //
 //   focal_length forward + (x + 1/2 - w/2) right + (y + 1/2 - h/2) down
 //
-// where, of an arm at azimuth a and elevation e, forward = -(cos e cos a, cos e sin a, sin e), right =
-// (-sin a, cos a, 0), the way of growing azimuth, and down = (sin e cos a, sin e sin a, -cos e), the
-// way of sinking elevation. Pixels are square; (0, 0) is the first that is read out.
+// where, of an arm at azimuth a and elevation e, forward = -(cos e cos a, cos e sin a, sin e),
+// right =
+// (-sin a, cos a, 0), the way of growing azimuth, and down = (sin e cos a, sin e sin a, -cos e),
+// the way of sinking elevation. Pixels are square; (0, 0) is the first that is read out.
 struct Imaging {
   double focal_length = 0;  // px; 0: every pixel sees the directions of the arms
   double camera_distance = std::numeric_limits<double>::infinity();  // m

@@ -7,12 +7,18 @@ namespace gonio {
 
 const char* ToString(PixelLayout layout) {
   switch (layout) {
-    case PixelLayout::kMono: return "mono";
-    case PixelLayout::kRgb: return "rgb";
-    case PixelLayout::kBayerRg: return "bayer-rg";
-    case PixelLayout::kBayerGr: return "bayer-gr";
-    case PixelLayout::kBayerGb: return "bayer-gb";
-    case PixelLayout::kBayerBg: return "bayer-bg";
+    case PixelLayout::kMono:
+      return "mono";
+    case PixelLayout::kRgb:
+      return "rgb";
+    case PixelLayout::kBayerRg:
+      return "bayer-rg";
+    case PixelLayout::kBayerGr:
+      return "bayer-gr";
+    case PixelLayout::kBayerGb:
+      return "bayer-gb";
+    case PixelLayout::kBayerBg:
+      return "bayer-bg";
   }
   return "?";
 }
@@ -24,11 +30,19 @@ int BayerChannel(PixelLayout layout, int x, int y) {
   int red_x = 0;
   int red_y = 0;
   switch (layout) {
-    case PixelLayout::kBayerRg: break;
-    case PixelLayout::kBayerGr: red_x = 1; break;
-    case PixelLayout::kBayerGb: red_y = 1; break;
-    case PixelLayout::kBayerBg: red_x = red_y = 1; break;
-    default: GONIO_CHECK(false, "not a Bayer mosaic");
+    case PixelLayout::kBayerRg:
+      break;
+    case PixelLayout::kBayerGr:
+      red_x = 1;
+      break;
+    case PixelLayout::kBayerGb:
+      red_y = 1;
+      break;
+    case PixelLayout::kBayerBg:
+      red_x = red_y = 1;
+      break;
+    default:
+      GONIO_CHECK(false, "not a Bayer mosaic");
   }
   const bool red_column = (x & 1) == red_x;
   const bool red_row = (y & 1) == red_y;

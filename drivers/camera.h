@@ -57,9 +57,9 @@ struct Frame {
   std::vector<std::uint16_t> counts;
   Seconds exposure{0};
   double gain_db = 0;
-  double black_level = 0;               // counts at zero light and zero exposure
+  double black_level = 0;                              // counts at zero light and zero exposure
   std::optional<double> temperature_c = std::nullopt;  // of the sensor, if the camera tells
-  Seconds start{0};                     // on the session's clock
+  Seconds start{0};                                    // on the session's clock
 };
 
 // A detector that takes one frame at a time.

@@ -15,11 +15,8 @@ namespace {
 Exposure FrameOf(const Rgb& counts, double exposure_s, double black, double monitor = 1) {
   Exposure e;
   e.monitor = monitor;
-  e.frame = {.width = 8,
-             .height = 8,
-             .counts = {},
-             .exposure = Seconds(exposure_s),
-             .black_level = black};
+  e.frame = {
+      .width = 8, .height = 8, .counts = {}, .exposure = Seconds(exposure_s), .black_level = black};
   for (int i = 0; i < 64 * 3; ++i) e.frame.counts.push_back(counts[i % 3]);
   return e;
 }
