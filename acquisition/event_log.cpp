@@ -146,10 +146,12 @@ struct EventLog::Impl {
   void InsertExposure(int pose, int number, const Exposure& exposure) {
     const Frame& frame = exposure.frame;
     const std::vector<std::uint8_t> bytes = LittleEndian(frame.counts);
-    sqlite::Statement(db, "INSERT INTO exposures VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+    sqlite::Statement(db,
+                      "INSERT INTO exposures VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
         .Run(pose, number, frame.exposure.count(), frame.black_level, exposure.monitor,
-             frame.start.count(), frame.width, frame.height, CountsPerPixel(frame.layout),
-             int{exposure.saturated[0]}, int{exposure.saturated[1]}, int{exposure.saturated[2]},
+             frame.start.count(), frame.gain_db, frame.temperature_c, frame.width, frame.height,
+             std::string(ToString(frame.layout)), int{exposure.saturated[0]},
+             int{exposure.saturated[1]}, int{exposure.saturated[2]},
              std::span<const std::uint8_t>(bytes));
   }
 

@@ -18,8 +18,10 @@
 
 namespace gonio {
 
-// Version of the tables below DIR/session.sqlite; a reader refuses any other.
-inline constexpr int kSessionFormat = 1;
+// Versions of the tables of DIR/session.sqlite: what is written, and the oldest that is read. The
+// second one says more of each frame (docs/data-format.md).
+inline constexpr int kSessionFormat = 2;
+inline constexpr int kOldestSessionFormat = 1;
 inline constexpr const char* kSessionFile = "session.sqlite";
 
 // What is frozen when a session starts. Hashes are SHA-256, in hexadecimal, and are filled in by

@@ -14,6 +14,23 @@ constexpr double kMargin = 1.5;
 // Below this many counts a mean says little about the rate; it bounds how far a frame can lengthen.
 constexpr double kFaintCounts = 1;
 
+// Hands every colour that a pixel has to visit(channel, count).
+template <typename Visit>
+void VisitCounts(const Frame& frame, std::uint32_t pixel, const Visit& visit) {
+  switch (frame.layout) {
+    case PixelLayout::kRgb:
+      for (int c = 0; c < kChannels; ++c) visit(c, frame.counts[3 * std::size_t{pixel} + c]);
+      return;
+    case PixelLayout::kMono:
+      for (int c = 0; c < kChannels; ++c) visit(c, frame.counts[pixel]);
+      return;
+    default:
+      visit(BayerChannel(frame.layout, static_cast<int>(pixel % frame.width),
+                         static_cast<int>(pixel / frame.width)),
+            frame.counts[pixel]);
+  }
+}
+
 // What all frames so far say about one channel.
 struct ChannelView {
   bool seen = false;            // unsaturated in some frame; the next three hold that longest frame
@@ -91,15 +108,18 @@ std::optional<double> Longer(const ChannelView& view, bool brightest, const RigC
 
 }  // namespace
 
-FrameMeans MeansOf(const Frame& frame, int full_scale) {
+FrameMeans MeansOf(const Frame& frame, int full_scale, std::span<const ImageRegion> regions) {
   FrameMeans means;
-  for (std::size_t i = 0; i < frame.counts.size(); ++i) {
-    const int channel = static_cast<int>(i) % kChannels;
-    means.counts[channel] += frame.counts[i];
-    if (frame.counts[i] >= full_scale) means.saturated_fraction[channel] += 1;
+  const auto add = [&](int channel, std::uint16_t count) {
+    means.counts[channel] += count;
+    if (count >= full_scale) means.saturated_fraction[channel] += 1;
+    means.pixels[channel] += 1;
+  };
+  for (const ImageRegion& region : regions) {
+    for (const std::uint32_t pixel : region.pixels) VisitCounts(frame, pixel, add);
   }
-  const double pixels = static_cast<double>(frame.counts.size()) / kChannels;
-  means.counts = means.counts / pixels - frame.black_level;
+  const Rgb pixels = means.pixels.max(1);
+  means.counts = (means.pixels > 0).select(means.counts / pixels - frame.black_level, 0);
   means.saturated_fraction /= pixels;
   return means;
 }
@@ -118,11 +138,14 @@ Seconds FirstExposure(const Rgb& rates, const RigConfig& rig) {
   return Seconds(Clamp(wanted, rig.camera));
 }
 
-std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken, const RigConfig& rig) {
+std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken,
+                                    std::span<const ImageRegion> regions, const RigConfig& rig) {
   GONIO_CHECK(!taken.empty(), "nothing was exposed");
   std::vector<FrameMeans> means;
   means.reserve(taken.size());
-  for (const Exposure& e : taken) means.push_back(MeansOf(e.frame, rig.camera.full_scale));
+  for (const Exposure& e : taken) {
+    means.push_back(MeansOf(e.frame, rig.camera.full_scale, regions));
+  }
   const double enough = rig.exposure.min_fraction * rig.camera.full_scale;
   std::array<ChannelView, kChannels> views;
   for (int c = 0; c < kChannels; ++c) views[c] = View(taken, means, c, enough);

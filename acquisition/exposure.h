@@ -5,8 +5,10 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "acquisition/image_regions.h"
 #include "acquisition/rig.h"
 
 namespace gonio {
@@ -18,12 +20,14 @@ struct Exposure {
   std::array<bool, kChannels> saturated{};  // some pixel of the channel reached full scale
 };
 
-// Means over the pixels of a frame, per channel.
+// Means over those pixels of a frame that see a region, per channel. A pixel without colour counts
+// for all three.
 struct FrameMeans {
   Rgb counts = Rgb::Zero();              // above the black level; negative at low light
   Rgb saturated_fraction = Rgb::Zero();  // of the pixels, at full scale: 0 .. 1
+  Rgb pixels = Rgb::Zero();              // how many; zero leaves the others zero
 };
-FrameMeans MeansOf(const Frame& frame, int full_scale);
+FrameMeans MeansOf(const Frame& frame, int full_scale, std::span<const ImageRegion> regions);
 
 // Counts per second and pixel that a sample of f_r gives under so much light (docs/radiometry.md).
 Rgb CountRates(const Rgb& f_r, double cos_theta_i, double light,
@@ -42,6 +46,7 @@ Seconds FirstExposure(const Rgb& rates, const RigConfig& rig);
 //   2. The brightest channel that is not good yet: longer, to its target.
 //
 // Every frame stays in the record: a channel is masked only in the frames that saturate it.
-std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken, const RigConfig& rig);
+std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken,
+                                    std::span<const ImageRegion> regions, const RigConfig& rig);
 
 }  // namespace gonio

@@ -96,6 +96,11 @@ Result<void> PoseMeasurer::MoveTo(const DirectionPair& pair, PoseRecord& record,
   position_ = record.readback = arrival->readback;
   record.move_retries = arrival->retries;
   record.move_time = arrival->still - record.start;
+  record.regions = RegionsOf(rig_.imaging, record.readback, rig_.camera.width, rig_.camera.height,
+                             rig_.geometry.max_polar, rig_.samples_per_image);
+  if (record.regions.empty()) {
+    return Error{ErrorCode::kRefused, "no pixel sees the sample lit and below max_polar_deg"};
+  }
   return {};
 }
 
@@ -103,7 +108,7 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
                                              std::stop_token stop) {
   auto monitor = ReadMonitor();
   if (!monitor) return monitor.error();
-  const double cos_theta_i = kinematics_.Forward(record.readback).cos_theta_i();
+  const double cos_theta_i = record.regions.front().light;
   const Rgb f_r = expected.value_or(Rgb::Constant(kUnknownReflectance));
   std::optional<Seconds> next =
       FirstExposure(CountRates(f_r, cos_theta_i, *monitor, rig_.radiometry), rig_);
@@ -113,7 +118,7 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
     if (!record.exposures.empty()) monitor = ReadMonitor();
     if (!monitor) return monitor.error();
     if (auto added = AddExposure(*next, *monitor, record, stop); !added) return added;
-    next = NextExposure(record.exposures, rig_);
+    next = NextExposure(record.exposures, record.regions, rig_);
   }
   if (AllSaturated(record.exposures)) {
     last_exposure_ = rig_.camera.min_exposure;
@@ -138,7 +143,7 @@ Result<void> PoseMeasurer::RepeatSuited(int frames, PoseRecord& record, std::sto
 
 Result<void> PoseMeasurer::AddExposure(Seconds exposure, double monitor, PoseRecord& record,
                                        std::stop_token stop) {
-  auto taken = Expose(exposure, monitor, stop);
+  auto taken = Expose(exposure, monitor, record.regions, stop);
   if (!taken) return taken.error();
   record.exposures.push_back(std::move(taken).value());
   return {};
@@ -160,7 +165,8 @@ Result<double> PoseMeasurer::ReadMonitor() {
   return reading;
 }
 
-Result<Exposure> PoseMeasurer::Expose(Seconds exposure, double monitor, std::stop_token stop) {
+Result<Exposure> PoseMeasurer::Expose(Seconds exposure, double monitor,
+                                      std::span<const ImageRegion> regions, std::stop_token stop) {
   auto frame = devices_.camera->Capture(exposure, stop);
   if (!frame) return frame.error();
   if (!WholeFrame(*frame, rig_.camera)) {
@@ -173,7 +179,7 @@ Result<Exposure> PoseMeasurer::Expose(Seconds exposure, double monitor, std::sto
   Exposure taken;
   taken.frame = std::move(frame).value();
   taken.monitor = monitor;
-  const FrameMeans means = MeansOf(taken.frame, rig_.camera.full_scale);
+  const FrameMeans means = MeansOf(taken.frame, rig_.camera.full_scale, regions);
   for (int c = 0; c < kChannels; ++c) taken.saturated[c] = means.saturated_fraction[c] > 0;
   return taken;
 }

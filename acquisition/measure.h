@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "acquisition/exposure.h"
+#include "acquisition/image_regions.h"
 #include "acquisition/kinematics.h"
 #include "acquisition/motion.h"
 #include "acquisition/rig.h"
@@ -19,9 +20,10 @@ struct PoseRecord {
   ArmAngles commanded{};
   ArmAngles readback{};  // encoders, after settling
   int move_retries = 0;
-  Seconds start{0};      // session clock
-  Seconds move_time{0};  // until the last axis was still
-  Seconds end{0};        // after the last exposure
+  Seconds start{0};                  // session clock
+  Seconds move_time{0};              // until the last axis was still
+  Seconds end{0};                    // after the last exposure
+  std::vector<ImageRegion> regions;  // by the read-back, not empty
   std::vector<Exposure> exposures;
 };
 
@@ -35,9 +37,9 @@ class PoseMeasurer {
   Result<void> Prepare(std::stop_token stop);
 
   // `expected`: f_r to choose the first exposure with; without it the last pose's is used.
-  // kRefused: skip the pose: it is out of reach, an axis missed its target after all retries, or
-  // every channel is saturated at the shortest exposure. Any other error ends the session: the
-  // axes have been stopped.
+  // kRefused: skip the pose: it is out of reach, an axis missed its target after all retries, no
+  // pixel sees the sample, or every channel is saturated at the shortest exposure. Any other error
+  // ends the session: the axes have been stopped.
   //
   // `frames`: once a frame suits, it is repeated until there are so many, or as many as the rig
   // allows a pose.
@@ -57,7 +59,8 @@ class PoseMeasurer {
   Result<void> AddExposure(Seconds exposure, double monitor, PoseRecord& record,
                            std::stop_token stop);
   Result<double> ReadMonitor();
-  Result<Exposure> Expose(Seconds exposure, double monitor, std::stop_token stop);
+  Result<Exposure> Expose(Seconds exposure, double monitor, std::span<const ImageRegion> regions,
+                          std::stop_token stop);
 
   const RigConfig& rig_;
   Devices& devices_;

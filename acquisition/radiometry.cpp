@@ -37,7 +37,7 @@ double Variance(const Reading& reading, double f_r, const RadiometryConfig& r) {
 }
 
 // The readings of one channel that are not saturated.
-std::vector<Reading> Readings(const PoseRecord& pose, int c, double cos_theta_i,
+std::vector<Reading> Readings(const PoseRecord& pose, int c, const ImageRegion& region,
                               const RigConfig& rig) {
   std::vector<Reading> readings;
   for (const Exposure& e : pose.exposures) {
@@ -45,11 +45,11 @@ std::vector<Reading> Readings(const PoseRecord& pose, int c, double cos_theta_i,
     const double exposure = e.frame.exposure.count();
     Reading reading;
     reading.dark = rig.radiometry.dark_current * exposure;
-    reading.electrons =
-        MeansOf(e.frame, rig.camera.full_scale).counts[c] * rig.radiometry.electrons_per_count -
-        reading.dark;
-    reading.gain = rig.radiometry.responsivity[c] * e.monitor * exposure * cos_theta_i;
-    reading.pixels = static_cast<double>(e.frame.width) * e.frame.height;
+    const FrameMeans means = MeansOf(e.frame, rig.camera.full_scale, {&region, 1});
+    if (means.pixels[c] == 0) continue;
+    reading.electrons = means.counts[c] * rig.radiometry.electrons_per_count - reading.dark;
+    reading.gain = rig.radiometry.responsivity[c] * e.monitor * exposure * region.light;
+    reading.pixels = means.pixels[c];
     readings.push_back(reading);
   }
   return readings;
@@ -81,12 +81,12 @@ void ReduceChannel(const std::vector<Reading>& readings, const RadiometryConfig&
 }  // namespace
 
 BrdfSample Reduce(const PoseRecord& pose, const RigConfig& rig) {
+  const ImageRegion& region = pose.regions.front();
   BrdfSample sample;
-  sample.directions = Kinematics(rig).Forward(pose.readback);
-  const double cos_theta_i = sample.directions.cos_theta_i();
+  sample.directions = region.directions;
   for (int c = 0; c < kChannels; ++c) {
     std::vector<Reading> readings;
-    if (cos_theta_i > 0) readings = Readings(pose, c, cos_theta_i, rig);
+    if (region.light > 0) readings = Readings(pose, c, region, rig);
     ReduceChannel(readings, rig.radiometry, &sample.f_r[c], &sample.sigma[c]);
   }
   return sample;

@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "core/units.h"
 
@@ -59,6 +62,15 @@ CameraInfo ReadCamera(const ConfigNode& node) {
   camera.width = node.Integer("width_px", 1, 16384);
   camera.height = node.Integer("height_px", 1, 16384);
   camera.full_scale = node.Integer("full_scale_counts", 255, 65535);
+  const std::vector<PixelLayout> layouts = {PixelLayout::kRgb,     PixelLayout::kMono,
+                                            PixelLayout::kBayerRg, PixelLayout::kBayerGr,
+                                            PixelLayout::kBayerGb, PixelLayout::kBayerBg};
+  if (node.Has("layout")) {
+    std::vector<std::string> names;
+    for (const PixelLayout layout : layouts) names.emplace_back(ToString(layout));
+    const std::string name = node.Choice("layout", names);
+    camera.layout = layouts[std::find(names.begin(), names.end(), name) - names.begin()];
+  }
   const double min = node.Number("min_exposure_s", Range::Positive());
   const double max = node.Number("max_exposure_s", Range::Positive());
   if (max <= min) {
@@ -68,6 +80,36 @@ CameraInfo ReadCamera(const ConfigNode& node) {
   camera.max_exposure = Seconds(max);
   camera.readout = Seconds(node.Number("readout_s", Range::NonNegative()));
   return camera;
+}
+
+SampleShape ReadShape(const ConfigNode& node) {
+  SampleShape shape;
+  const std::string kind = node.Choice("kind", {"flat", "sphere", "cylinder"});
+  if (kind == "flat") return shape;
+  shape.kind = kind == "sphere" ? SampleShape::Kind::kSphere : SampleShape::Kind::kCylinder;
+  shape.radius = node.Number("radius_mm", Range::Positive()) / 1000;
+  return shape;
+}
+
+// Absent: every pixel sees what the arms say.
+void ReadImaging(const ConfigNode& root, RigConfig& rig) {
+  if (!root.Has("imaging")) return;
+  const ConfigNode node = root.Map("imaging");
+  Imaging& imaging = rig.imaging;
+  imaging.focal_length = node.Number("focal_length_px", Range::Positive());
+  imaging.camera_distance = node.Number("camera_distance_mm", Range::Positive()) / 1000;
+  imaging.light_distance = node.Number("light_distance_mm", Range::Positive()) / 1000;
+  imaging.patch_radius = node.Number("patch_radius_mm", Range::Positive()) / 1000;
+  if (node.Has("sample")) imaging.shape = ReadShape(node.Map("sample"));
+  const double nearest = std::min(imaging.camera_distance, imaging.light_distance);
+  if (imaging.patch_radius >= nearest) {
+    node.Fail("patch_radius_mm", "reaches to the camera or the light");
+  }
+  rig.samples_per_image = node.IntegerOr("samples_per_image", 1, 1, 1024);
+  if ((rig.samples_per_image & (rig.samples_per_image - 1)) != 0) {
+    node.Fail("samples_per_image",
+              fmt::format("is {}, must be a power of two", rig.samples_per_image));
+  }
 }
 
 ExposureConfig ReadExposure(const ConfigNode& node) {
@@ -128,6 +170,7 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
     }
   }
   rig.camera = ReadCamera(root.Map("camera"));
+  ReadImaging(root, rig);
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));
   const ConfigNode time = root.Map("time");

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "brdf/brdf.h"
+#include "brdf/imaging.h"
 #include "core/clock.h"
 #include "core/config.h"
 #include "drivers/axis.h"
@@ -77,6 +78,8 @@ struct RigConfig {
   int dense_brackets = 3;       // frames per pose a dense scan would take, for time estimates
   Seconds dense_exposure{0.3};  // of each of them, on average
   CameraInfo camera;
+  Imaging imaging;
+  int samples_per_image = 1;  // a power of two; more than 1 only where pixels resolve directions
 };
 
 // The opened devices. Destroying them stops the axes and switches the light off.

@@ -26,9 +26,10 @@ void CheckFormat(sqlite::Database& db) {
   if (Pragma(db, "application_id") != kSessionApplicationId) {
     throw ConfigError(file + ": is not a session: some other program made this database");
   }
-  if (const std::int64_t version = Pragma(db, "user_version"); version != kSessionFormat) {
-    throw ConfigError(fmt::format("{}: has session format {}, this program reads format {}", file,
-                                  version, kSessionFormat));
+  const std::int64_t version = Pragma(db, "user_version");
+  if (version < kOldestSessionFormat || version > kSessionFormat) {
+    throw ConfigError(fmt::format("{}: has session format {}, this program reads formats {} to {}",
+                                  file, version, kOldestSessionFormat, kSessionFormat));
   }
   sqlite::Statement check(db, "PRAGMA quick_check(1)");
   if (!check.Step() || check.Text(0) != "ok") {

@@ -31,13 +31,19 @@ Exposure Take(const Rgb& rates, Seconds exposure, const RigConfig& rig) {
   return taken;
 }
 
+// Every pixel sees the same.
+std::vector<ImageRegion> Everywhere(int width, int height) {
+  return RegionsOf({}, AnglesDeg(0, 60, 180, 60), width, height, kPi / 2);
+}
+const std::vector<ImageRegion> kRegions = Everywhere(8, 8);
+
 // All frames of a pose that starts with `first`.
 std::vector<Exposure> Bracket(const Rgb& rates, Seconds first, const RigConfig& rig) {
   std::vector<Exposure> taken;
   std::optional<Seconds> next = first;
   while (next && taken.size() < 50) {
     taken.push_back(Take(rates, *next, rig));
-    next = NextExposure(taken, rig);
+    next = NextExposure(taken, kRegions, rig);
   }
   return taken;
 }
@@ -45,7 +51,7 @@ std::vector<Exposure> Bracket(const Rgb& rates, Seconds first, const RigConfig& 
 // Whether the channel is unsaturated and above the minimum in some frame.
 bool Good(const std::vector<Exposure>& taken, int c, const RigConfig& rig) {
   return std::any_of(taken.begin(), taken.end(), [&](const Exposure& e) {
-    return !e.saturated[c] && MeansOf(e.frame, rig.camera.full_scale).counts[c] >=
+    return !e.saturated[c] && MeansOf(e.frame, rig.camera.full_scale, kRegions).counts[c] >=
                                   rig.exposure.min_fraction * rig.camera.full_scale;
   });
 }
@@ -53,12 +59,33 @@ bool Good(const std::vector<Exposure>& taken, int c, const RigConfig& rig) {
 TEST(MeansOf, SubtractsTheBlackLevelAndCountsClippedPixels) {
   Frame frame{.width = 2, .height = 1, .counts = {}, .black_level = 10};
   frame.counts = {10, 4095, 100, 0, 4095, 4095};
-  const FrameMeans means = MeansOf(frame, 4095);
+  const FrameMeans means = MeansOf(frame, 4095, Everywhere(2, 1));
   EXPECT_EQ(means.counts[0], -5);
   EXPECT_EQ(means.counts[1], 4085);
   EXPECT_EQ(means.saturated_fraction[0], 0);
   EXPECT_EQ(means.saturated_fraction[1], 1);
   EXPECT_EQ(means.saturated_fraction[2], 0.5);
+}
+
+TEST(MeansOf, LooksAtThePixelsOfItsRegionsOnly) {
+  Frame frame{.width = 3, .height = 1, .counts = {}, .black_level = 10};
+  frame.counts = {4095, 4095, 4095, 20, 30, 40, 40, 50, 60};
+  const std::vector<ImageRegion> regions(2, ImageRegion{{}, {1}, {}, 1});
+  const FrameMeans means = MeansOf(frame, 4095, {regions.data(), 1});
+  EXPECT_TRUE((means.counts == Rgb(10, 20, 30)).all());
+  EXPECT_TRUE((means.pixels == Rgb::Ones()).all());
+}
+
+// Example failure is a mosaic read as if its colours were interleaved.
+TEST(MeansOf, KnowsWhatAPixelOfAMosaicSees) {
+  Frame frame{.width = 4, .height = 2, .layout = PixelLayout::kBayerGr, .counts = {}};
+  frame.counts = {10, 1,  30, 3,    // green, red
+                  5,  20, 7,  40};  // blue, green
+  const FrameMeans means = MeansOf(frame, 4095, Everywhere(4, 2));
+  EXPECT_TRUE((means.counts == Rgb(2, 25, 6)).all());
+  EXPECT_TRUE((means.pixels == Rgb(2, 4, 2)).all());
+  frame.layout = PixelLayout::kMono;
+  EXPECT_TRUE((MeansOf(frame, 4095, Everywhere(4, 2)).counts == Rgb::Constant(14.5)).all());
 }
 
 TEST(FirstExposure, AimsTheBrightestChannelAtTheTarget) {
@@ -100,7 +127,9 @@ TEST(NextExposure, MakesEveryChannelGoodFromAnyStartInFewFrames) {
 
 TEST(NextExposure, ShortensByHowMuchIsClipped) {
   const RigConfig rig = DefaultRig();
-  const auto after = [&](const Exposure& taken) { return NextExposure({taken}, rig)->count(); };
+  const auto after = [&](const Exposure& taken) {
+    return NextExposure({taken}, kRegions, rig)->count();
+  };
   Exposure all = Take(Rgb::Constant(1e6), Seconds(0.32), rig);
   EXPECT_DOUBLE_EQ(after(all), 0.02);
   EXPECT_DOUBLE_EQ(after(Take({1e6, 1e3, 1e3}, Seconds(0.32), rig)), 0.08);

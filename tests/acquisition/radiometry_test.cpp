@@ -24,6 +24,7 @@ Exposure FrameOf(const Rgb& counts, double exposure_s, double black, double moni
 PoseRecord PoseAt60Deg(std::vector<Exposure> exposures) {
   PoseRecord pose;
   pose.readback = AnglesDeg(0, 30, 180, 50);
+  pose.regions = RegionsOf({}, pose.readback, 8, 8, kPi / 2);
   pose.exposures = std::move(exposures);
   return pose;
 }

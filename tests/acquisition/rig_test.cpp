@@ -50,6 +50,41 @@ TEST(ReadRig, ReadsTheDefaultFileInRadiansAndSeconds) {
   EXPECT_EQ(rig.dense_brackets, 3);
 }
 
+TEST(ReadRig, ReadsWhatAnImageSees) {
+  const std::string text = ReadTextFile(kSimRigFile) + R"(
+imaging:
+  focal_length_px: 2000
+  camera_distance_mm: 500
+  light_distance_mm: 800
+  patch_radius_mm: 5
+  sample: {kind: cylinder, radius_mm: 30}
+  samples_per_image: 4
+)";
+  const ConfigNode root = ConfigNode::Parse(text, "rig.yaml");
+  const RigConfig rig = ReadRig(root, text);
+  ReadSim(root);
+  root.RefuseUnknownKeys();
+  EXPECT_EQ(rig.imaging.focal_length, 2000);
+  EXPECT_DOUBLE_EQ(rig.imaging.patch_radius, 0.005);
+  EXPECT_EQ(rig.imaging.shape.kind, SampleShape::Kind::kCylinder);
+  EXPECT_DOUBLE_EQ(rig.imaging.shape.radius, 0.03);
+  EXPECT_EQ(rig.samples_per_image, 4);
+  const auto complaint = [&](const std::string& from, const std::string& to) {
+    std::string edited = text;
+    edited.replace(edited.find(from), from.size(), to);
+    try {
+      ReadRig(ConfigNode::Parse(edited, "rig.yaml"), edited);
+    } catch (const ConfigError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_THAT(complaint("samples_per_image: 4", "samples_per_image: 3"),
+              testing::HasSubstr("samples_per_image: is 3, must be a power of two"));
+  EXPECT_THAT(complaint("patch_radius_mm: 5", "patch_radius_mm: 500"),
+              testing::HasSubstr("patch_radius_mm: reaches to the camera or the light"));
+}
+
 TEST(ReadRig, WhitePaperReachesTheTargetInAThirdOfASecond) {
   const RigConfig rig = DefaultRig();
   const double rate = 0.3 * rig.radiometry.responsivity[1] / rig.radiometry.electrons_per_count;

@@ -31,6 +31,7 @@ PoseRecord SomeRecord() {
                     .height = 2,
                     .counts = {0, 1, 258, 4095, 65535, 3},
                     .exposure = Seconds(0.25),
+                    .gain_db = 6,
                     .black_level = 64,
                     .start = Seconds(3)};
   exposure.monitor = 0.99;
@@ -79,15 +80,17 @@ TEST(EventLog, KeepsRawCountsAsLittleEndianSixteenBit) {
   ASSERT_TRUE(log.AppendPose(SomeNote(1), SomeRecord()).ok());
   sqlite::Database db(log.file(), SQLITE_OPEN_READONLY);
   sqlite::Statement row(db,
-                        "SELECT hex(counts), width, height, channels, saturated_green, exposure_s "
-                        "FROM exposures WHERE pose = 1 AND frame = 2");
+                        "SELECT hex(counts), width, height, layout, saturated_green, exposure_s, "
+                        "gain_db, temperature_c FROM exposures WHERE pose = 1 AND frame = 2");
   ASSERT_TRUE(row.Step());
   EXPECT_EQ(row.Text(0), "000001000201FF0FFFFF0300");
   EXPECT_EQ(row.Integer(1), 1);
   EXPECT_EQ(row.Integer(2), 2);
-  EXPECT_EQ(row.Integer(3), 3);
+  EXPECT_EQ(row.Text(3), "rgb");
   EXPECT_EQ(row.Integer(4), 1);
   EXPECT_EQ(row.Real(5), 0.25);
+  EXPECT_EQ(row.Real(6), 6);
+  EXPECT_TRUE(row.IsNull(7));
 }
 
 // Example failure is INSERT OR REPLACE, which deletes a row without firing a DELETE trigger.

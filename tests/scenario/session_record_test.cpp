@@ -76,7 +76,7 @@ TEST(SessionRecord, RefusesAnotherFormatVersion) {
     db.Execute("PRAGMA user_version = 99");
   }
   EXPECT_THAT(MessageOf<ConfigError>([&] { (void)ReadSession(dir / "s"); }),
-              HasSubstr("has session format 99, this program reads format 1"));
+              HasSubstr("has session format 99, this program reads formats 1 to 2"));
 }
 
 TEST(SessionRecord, RefusesADamagedFile) {
