@@ -3,22 +3,15 @@
 
 #pragma once
 
-#include <array>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "acquisition/frame_taker.h"
 #include "acquisition/image_regions.h"
 #include "acquisition/rig.h"
 
 namespace gonio {
-
-// One frame of a pose with what is needed to reduce it.
-struct Exposure {
-  Frame frame;
-  double monitor = 1;                       // the monitor's reading that belongs to this frame
-  std::array<bool, kChannels> saturated{};  // some pixel of the channel reached full scale
-};
 
 // Means over those pixels of a frame that see a region, per channel. A pixel without colour counts
 // for all three.

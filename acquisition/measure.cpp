@@ -11,16 +11,9 @@
 namespace gonio {
 namespace {
 
-// A monitor below this fraction of the level that was set means that the light is out.
-constexpr double kLightIsOut = 0.1;
 // White paper [1/sr]: what to expect of the first pose if nobody knows. A frame that comes out too
 // dark still says how dark; one that saturates says little.
 constexpr double kUnknownReflectance = 0.3;
-
-bool WholeFrame(const Frame& frame, const CameraInfo& info) {
-  return frame.width == info.width && frame.height == info.height && frame.layout == info.layout &&
-         frame.exposure > Seconds::zero() && frame.counts.size() == info.counts();
-}
 
 // How many channels are saturated.
 int Saturated(const Exposure& e) {
@@ -44,7 +37,7 @@ bool AllSaturated(const std::vector<Exposure>& exposures) {
 }  // namespace
 
 PoseMeasurer::PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock)
-    : rig_(rig), devices_(devices), clock_(clock), kinematics_(rig) {}
+    : rig_(rig), devices_(devices), clock_(clock), taker_(rig, devices), kinematics_(rig) {}
 
 Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
   if (auto homed = HomeAll(devices_, stop); !homed) return homed;
@@ -106,7 +99,7 @@ Result<void> PoseMeasurer::MoveTo(const DirectionPair& pair, PoseRecord& record,
 
 Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected, PoseRecord& record,
                                              std::stop_token stop) {
-  auto monitor = ReadMonitor();
+  auto monitor = taker_.ReadMonitor();
   if (!monitor) return monitor.error();
   const double cos_theta_i = record.regions.front().light;
   const Rgb f_r = expected.value_or(Rgb::Constant(kUnknownReflectance));
@@ -115,7 +108,7 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
   if (!expected && last_exposure_) next = std::min(*last_exposure_, rig_.exposure.soft_limit);
 
   while (next && std::ssize(record.exposures) < rig_.exposure.max_frames) {
-    if (!record.exposures.empty()) monitor = ReadMonitor();
+    if (!record.exposures.empty()) monitor = taker_.ReadMonitor();
     if (!monitor) return monitor.error();
     if (auto added = AddExposure(*next, *monitor, record, stop); !added) return added;
     next = NextExposure(record.exposures, record.regions, rig_);
@@ -134,7 +127,7 @@ Result<void> PoseMeasurer::RepeatSuited(int frames, PoseRecord& record, std::sto
   const auto suited = Suited(record.exposures);
   for (int n = 1; suited && n < frames; ++n) {
     if (std::ssize(record.exposures) >= rig_.exposure.max_frames) break;
-    const auto monitor = ReadMonitor();
+    const auto monitor = taker_.ReadMonitor();
     if (!monitor) return monitor.error();
     if (auto added = AddExposure(*suited, *monitor, record, stop); !added) return added;
   }
@@ -143,45 +136,12 @@ Result<void> PoseMeasurer::RepeatSuited(int frames, PoseRecord& record, std::sto
 
 Result<void> PoseMeasurer::AddExposure(Seconds exposure, double monitor, PoseRecord& record,
                                        std::stop_token stop) {
-  auto taken = Expose(exposure, monitor, record.regions, stop);
+  auto taken = taker_.Take(exposure, monitor, std::move(stop));
   if (!taken) return taken.error();
+  const FrameMeans means = MeansOf(taken->frame, rig_.camera.full_scale, record.regions);
+  for (int c = 0; c < kChannels; ++c) taken->saturated[c] = means.saturated_fraction[c] > 0;
   record.exposures.push_back(std::move(taken).value());
   return {};
-}
-
-Result<double> PoseMeasurer::ReadMonitor() {
-  auto reading = devices_.monitor->Read();
-  // Not a reason to skip this pose: the next would have none either.
-  if (!reading && reading.error().code == ErrorCode::kRefused) {
-    return Error{ErrorCode::kProtocol, reading.error().message};
-  }
-  if (!reading) return reading;
-  // Also true of NaN.
-  if (!(*reading >= kLightIsOut * rig_.light_level) || !std::isfinite(*reading)) {
-    return Error{ErrorCode::kProtocol,
-                 fmt::format("{}: reads {:.4g} with the light at {:.4g}: the light is out",
-                             devices_.monitor->name(), *reading, rig_.light_level)};
-  }
-  return reading;
-}
-
-Result<Exposure> PoseMeasurer::Expose(Seconds exposure, double monitor,
-                                      std::span<const ImageRegion> regions, std::stop_token stop) {
-  auto frame = devices_.camera->Capture(exposure, stop);
-  if (!frame) return frame.error();
-  if (!WholeFrame(*frame, rig_.camera)) {
-    return Error{ErrorCode::kProtocol,
-                 fmt::format("{}: sent {} counts for a frame of {} x {} {}, expected {} x {} {}",
-                             devices_.camera->name(), frame->counts.size(), frame->width,
-                             frame->height, ToString(frame->layout), rig_.camera.width,
-                             rig_.camera.height, ToString(rig_.camera.layout))};
-  }
-  Exposure taken;
-  taken.frame = std::move(frame).value();
-  taken.monitor = monitor;
-  const FrameMeans means = MeansOf(taken.frame, rig_.camera.full_scale, regions);
-  for (int c = 0; c < kChannels; ++c) taken.saturated[c] = means.saturated_fraction[c] > 0;
-  return taken;
 }
 
 }  // namespace gonio

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "acquisition/exposure.h"
+#include "acquisition/frame_taker.h"
 #include "acquisition/image_regions.h"
 #include "acquisition/kinematics.h"
 #include "acquisition/motion.h"
@@ -58,13 +59,11 @@ class PoseMeasurer {
   Result<void> RepeatSuited(int frames, PoseRecord& record, std::stop_token stop);
   Result<void> AddExposure(Seconds exposure, double monitor, PoseRecord& record,
                            std::stop_token stop);
-  Result<double> ReadMonitor();
-  Result<Exposure> Expose(Seconds exposure, double monitor, std::span<const ImageRegion> regions,
-                          std::stop_token stop);
 
   const RigConfig& rig_;
   Devices& devices_;
   Clock& clock_;
+  FrameTaker taker_;
   Kinematics kinematics_;
   ArmAngles position_{};
   std::optional<Seconds> last_exposure_;  // that suited the last pose

@@ -160,6 +160,9 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   // The least is not zero: without light there is nothing to divide by.
   const ConfigNode light = root.Map("light");
   rig.light_level = light.Number("level", Range::Between(0.001, 1));
+  if (light.Has("max_change")) {
+    rig.max_light_change = light.Number("max_change", Range::Between(0, 1));
+  }
   if (!rig.simulated) {
     rig.light_device = ReadLightDevice(light.Map("device"));
     const ConfigNode monitor = root.Map("monitor");

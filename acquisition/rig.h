@@ -74,7 +74,10 @@ struct RigConfig {
   RadiometryConfig radiometry;
   LightDevice light_device;
   MonitorDevice monitor_device;
-  double light_level = 1;       // 0 .. 1
+  double light_level = 1;  // 0 .. 1
+  // Relative change of the light from before to after an exposure that is still steady; empty: not
+  // looked at.
+  std::optional<double> max_light_change;
   int dense_brackets = 3;       // frames per pose a dense scan would take, for time estimates
   Seconds dense_exposure{0.3};  // of each of them, on average
   CameraInfo camera;

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/frame_taker.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace gonio {
+namespace {
+
+// A monitor below this fraction of the level that was set means that the light is out.
+constexpr double kLightIsOut = 0.1;
+
+bool WholeFrame(const Frame& frame, const CameraInfo& info) {
+  return frame.width == info.width && frame.height == info.height && frame.layout == info.layout &&
+         frame.exposure > Seconds::zero() && frame.counts.size() == info.counts();
+}
+
+Result<Frame> TakeWhole(Camera& camera, const CameraInfo& info, Seconds exposure,
+                        std::stop_token stop) {
+  auto frame = camera.Capture(exposure, std::move(stop));
+  if (!frame || WholeFrame(*frame, info)) return frame;
+  return Error{
+      ErrorCode::kProtocol,
+      fmt::format("{}: sent {} counts for a frame of {} x {} {}, expected {} x {} {}",
+                  camera.name(), frame->counts.size(), frame->width, frame->height,
+                  ToString(frame->layout), info.width, info.height, ToString(info.layout))};
+}
+
+}  // namespace
+
+Result<double> FrameTaker::ReadMonitor() {
+  auto reading = devices_.monitor->Read();
+  // Not a reason to skip this pose: the next would have none either.
+  if (!reading && reading.error().code == ErrorCode::kRefused) {
+    return Error{ErrorCode::kProtocol, reading.error().message};
+  }
+  if (!reading) return reading;
+  // Also true of NaN.
+  if (!(*reading >= kLightIsOut * rig_.light_level) || !std::isfinite(*reading)) {
+    return Error{ErrorCode::kProtocol,
+                 fmt::format("{}: reads {:.4g} with the light at {:.4g}: the light is out",
+                             devices_.monitor->name(), *reading, rig_.light_level)};
+  }
+  return reading;
+}
+
+Result<Exposure> FrameTaker::Take(Seconds exposure, double monitor, std::stop_token stop) {
+  double change = 0;
+  for (int n = 0; n < kTries; ++n) {
+    auto frame = TakeWhole(*devices_.camera, rig_.camera, exposure, stop);
+    if (!frame) return frame.error();
+    Exposure taken;
+    taken.frame = std::move(frame).value();
+    taken.monitor = monitor;
+    if (!rig_.max_light_change) return taken;
+    const auto after = ReadMonitor();
+    if (!after) return after.error();
+    change = std::abs(*after - monitor) / monitor;
+    taken.monitor = (monitor + *after) / 2;
+    if (change <= *rig_.max_light_change) return taken;
+    monitor = *after;
+  }
+  return Error{
+      ErrorCode::kProtocol,
+      fmt::format("{}: changed by {:.2g} % during each of {} exposures, more than the "
+                  "{:.2g} % that light.max_change allows: the light is not steady",
+                  devices_.monitor->name(), 100 * change, kTries, 100 * *rig_.max_light_change)};
+}
+
+Result<Exposure> FrameTaker::TakeDark(Seconds exposure, std::stop_token stop) {
+  auto frame = TakeWhole(*devices_.camera, rig_.camera, exposure, std::move(stop));
+  if (!frame) return frame.error();
+  Exposure taken;
+  taken.frame = std::move(frame).value();
+  taken.monitor = 0;
+  return taken;
+}
+
+}  // namespace gonio

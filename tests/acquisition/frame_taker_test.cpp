@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/frame_taker.h"
+
+#include <gmock/gmock.h>
+
+#include <deque>
+
+#include "tests/acquisition/simulated_rig.h"
+
+namespace gonio {
+namespace {
+
+using testing::HasSubstr;
+
+// Reads what it was given, in that order.
+class ScriptedMonitor final : public Monitor {
+ public:
+  explicit ScriptedMonitor(std::deque<double> readings) : readings_(std::move(readings)) {}
+  const std::string& name() const override { return name_; }
+  const std::string& identity() const override { return name_; }
+  Result<double> Read() override {
+    const double reading = readings_.front();
+    readings_.pop_front();
+    return reading;
+  }
+  std::size_t left() const { return readings_.size(); }
+
+ private:
+  std::deque<double> readings_;
+  const std::string name_ = "monitor";
+};
+
+class FrameTakerTest : public testing::Test {
+ protected:
+  FrameTakerTest() : rig_(paper_) {
+    PoseMeasurer measurer(rig_.rig, rig_.devices, rig_.clock);
+    EXPECT_TRUE(measurer.Prepare({}).ok());
+    rig_.rig.max_light_change = 0.02;
+  }
+  ScriptedMonitor& Script(std::deque<double> readings) {
+    auto monitor = std::make_unique<ScriptedMonitor>(std::move(readings));
+    ScriptedMonitor& script = *monitor;
+    rig_.devices.monitor = std::move(monitor);
+    return script;
+  }
+  Result<Exposure> Take(double monitor) {
+    return FrameTaker(rig_.rig, rig_.devices).Take(Seconds(0.01), monitor, {});
+  }
+
+  FlatBrdf paper_{Rgb::Constant(0.3)};
+  SimulatedRig rig_;
+};
+
+TEST_F(FrameTakerTest, GivesAFrameTheMeanOfTheLightBeforeAndAfter) {
+  Script({0.99});
+  const auto taken = Take(1);
+  ASSERT_TRUE(taken.ok());
+  EXPECT_DOUBLE_EQ(taken->monitor, 0.995);
+}
+
+// Example failure is a frame reduced with a reading from before the lamp's flicker.
+TEST_F(FrameTakerTest, TakesAFrameAgainDuringWhichTheLightChanged) {
+  const ScriptedMonitor& script = Script({0.9, 0.91});
+  const auto taken = Take(1);
+  ASSERT_TRUE(taken.ok());
+  EXPECT_DOUBLE_EQ(taken->monitor, 0.905);
+  EXPECT_EQ(script.left(), 0u);
+}
+
+TEST_F(FrameTakerTest, GivesUpOnALightThatIsNeverSteady) {
+  Script({0.9, 1, 0.9, 1});
+  const auto taken = Take(1);
+  ASSERT_FALSE(taken.ok());
+  EXPECT_EQ(taken.error().code, ErrorCode::kProtocol);
+  EXPECT_THAT(taken.error().message, HasSubstr("monitor: changed by 10 % during each of 3"));
+  EXPECT_THAT(taken.error().message, HasSubstr("light.max_change"));
+}
+
+TEST_F(FrameTakerTest, SeesTheLightGoOutDuringAnExposure) {
+  Script({0.0});
+  const auto taken = Take(1);
+  ASSERT_FALSE(taken.ok());
+  EXPECT_THAT(taken.error().message, HasSubstr("the light is out"));
+}
+
+TEST_F(FrameTakerTest, DoesNotLookAgainUnlessItIsAskedTo) {
+  rig_.rig.max_light_change.reset();
+  const ScriptedMonitor& script = Script({0.5});
+  const auto taken = Take(1);
+  ASSERT_TRUE(taken.ok());
+  EXPECT_EQ(taken->monitor, 1);
+  EXPECT_EQ(script.left(), 1u);
+}
+
+}  // namespace
+}  // namespace gonio
