@@ -64,9 +64,9 @@ Result<Exposure> FrameTaker::Take(Seconds exposure, double monitor, std::stop_to
   }
   return Error{
       ErrorCode::kProtocol,
-      fmt::format("{}: changed by {:.2g} % during each of {} exposures, more than the "
-                  "{:.2g} % that light.max_change allows: the light is not steady",
-                  devices_.monitor->name(), 100 * change, kTries, 100 * *rig_.max_light_change)};
+      fmt::format("{}: changed by more than {:.2g} % (light.max_change) during {} "
+                  "exposures in a row, at last by {:.2g} %: the light is not steady",
+                  devices_.monitor->name(), 100 * *rig_.max_light_change, kTries, 100 * change)};
 }
 
 Result<Exposure> FrameTaker::TakeDark(Seconds exposure, std::stop_token stop) {
