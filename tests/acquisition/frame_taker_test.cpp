@@ -75,7 +75,7 @@ TEST_F(FrameTakerTest, GivesUpOnALightThatIsNeverSteady) {
   EXPECT_THAT(
       taken.error().message,
       HasSubstr("monitor: changed by more than 2 % (light.max_change) during 3 exposures in "
-                "a row, at last by 11 %"));
+                "a row, at last by 10 %"));
 }
 
 TEST_F(FrameTakerTest, SeesTheLightGoOutDuringAnExposure) {
