@@ -155,6 +155,20 @@ struct EventLog::Impl {
              std::span<const std::uint8_t>(bytes));
   }
 
+  void InsertSample(int pose, int part, const BrdfSample& sample) {
+    const Eigen::Vector3d& wi = sample.directions.wi;
+    const Eigen::Vector3d& wo = sample.directions.wo;
+    const HalfDiff angles = ToHalfDiff(sample.directions);
+    sqlite::Statement(db,
+                      "INSERT INTO samples VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
+                      "?, ?, ?, ?, ?)")
+        .Run(pose, part, Polar(wi), Azimuth(wi), Polar(wo), Azimuth(wo), DegFromRad(angles.theta_h),
+             DegFromRad(angles.theta_d), DegFromRad(angles.phi_d), wi.x(), wi.y(), wi.z(), wo.x(),
+             wo.y(), wo.z(), sample.f_r[0], sample.f_r[1], sample.f_r[2],
+             FiniteOrNull(sample.sigma[0]), FiniteOrNull(sample.sigma[1]),
+             FiniteOrNull(sample.sigma[2]));
+  }
+
   sqlite::Database db;
 };
 
@@ -224,19 +238,10 @@ Result<void> EventLog::AppendPose(const PoseNote& note, const PoseRecord& record
   });
 }
 
-Result<void> EventLog::AppendSample(int pose, const BrdfSample& sample) {
-  const Eigen::Vector3d& wi = sample.directions.wi;
-  const Eigen::Vector3d& wo = sample.directions.wo;
-  const HalfDiff angles = ToHalfDiff(sample.directions);
+Result<void> EventLog::AppendSamples(int pose, const std::vector<BrdfSample>& samples) {
   return impl_->Write([&] {
-    sqlite::Statement(
-        impl_->db,
-        "INSERT INTO samples VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
-        .Run(pose, Polar(wi), Azimuth(wi), Polar(wo), Azimuth(wo), DegFromRad(angles.theta_h),
-             DegFromRad(angles.theta_d), DegFromRad(angles.phi_d), wi.x(), wi.y(), wi.z(), wo.x(),
-             wo.y(), wo.z(), sample.f_r[0], sample.f_r[1], sample.f_r[2],
-             FiniteOrNull(sample.sigma[0]), FiniteOrNull(sample.sigma[1]),
-             FiniteOrNull(sample.sigma[2]));
+    int part = 0;
+    for (const BrdfSample& sample : samples) impl_->InsertSample(pose, ++part, sample);
   });
 }
 

@@ -85,7 +85,7 @@ class EventLog {
   // The raw record of a pose, before anything learns from it.
   Result<void> AppendPose(const PoseNote& note, const PoseRecord& record);
   // What Reduce() made of it. Precondition: AppendPose() of the same pose.
-  Result<void> AppendSample(int pose, const BrdfSample& sample);
+  Result<void> AppendSamples(int pose, const std::vector<BrdfSample>& samples);
   Result<void> AppendRejection(Seconds time, const Proposal& proposal, const Error& error);
   Result<void> AppendError(Seconds time, const Error& error);
   // Anything else that happened: one word and one line.

@@ -53,22 +53,24 @@ CREATE TABLE exposures (
 ) STRICT;
 
 CREATE TABLE samples (
-  pose INTEGER PRIMARY KEY REFERENCES poses (pose),
+  pose INTEGER NOT NULL REFERENCES poses (pose),
+  part INTEGER NOT NULL,
   theta_i_deg REAL NOT NULL, phi_i_deg REAL NOT NULL,
   theta_o_deg REAL NOT NULL, phi_o_deg REAL NOT NULL,
   theta_h_deg REAL NOT NULL, theta_d_deg REAL NOT NULL, phi_d_deg REAL NOT NULL,
   wi_x REAL NOT NULL, wi_y REAL NOT NULL, wi_z REAL NOT NULL,
   wo_x REAL NOT NULL, wo_y REAL NOT NULL, wo_z REAL NOT NULL,
   f_r_red REAL NOT NULL, f_r_green REAL NOT NULL, f_r_blue REAL NOT NULL,
-  sigma_red REAL, sigma_green REAL, sigma_blue REAL
+  sigma_red REAL, sigma_green REAL, sigma_blue REAL,
+  PRIMARY KEY (pose, part)
 ) STRICT;
 
 CREATE VIEW measurements AS
-  SELECT p.pose, p.reason, p.end_s AS time_s, s.theta_h_deg, s.theta_d_deg, s.phi_d_deg,
+  SELECT p.pose, s.part, p.reason, p.end_s AS time_s, s.theta_h_deg, s.theta_d_deg, s.phi_d_deg,
          s.theta_i_deg, s.theta_o_deg, s.f_r_red, s.f_r_green, s.f_r_blue,
          s.sigma_red, s.sigma_green, s.sigma_blue,
          (SELECT count(*) FROM exposures e WHERE e.pose = p.pose) AS frames, p.predicted_error
-  FROM poses p JOIN samples s USING (pose) ORDER BY p.pose;
+  FROM poses p JOIN samples s USING (pose) ORDER BY p.pose, s.part;
 )sql";
 
 // A table and the condition under which a new row would replace an old one (INSERT OR REPLACE
@@ -78,9 +80,11 @@ struct SessionTable {
   const char* same_key;
 };
 inline constexpr SessionTable kSessionTables[] = {
-    {"meta", "key = NEW.key"},      {"events", "seq = NEW.seq"},
-    {"poses", "pose = NEW.pose"},   {"exposures", "pose = NEW.pose AND frame = NEW.frame"},
-    {"samples", "pose = NEW.pose"},
+    {"meta", "key = NEW.key"},
+    {"events", "seq = NEW.seq"},
+    {"poses", "pose = NEW.pose"},
+    {"exposures", "pose = NEW.pose AND frame = NEW.frame"},
+    {"samples", "pose = NEW.pose AND part = NEW.part"},
 };
 
 }  // namespace gonio

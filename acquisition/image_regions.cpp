@@ -185,14 +185,23 @@ ImageRegion Join(Views begin, Views end) {
   return region;
 }
 
+DirectionPair DirectionsOf(const ArmAngles& arms) {
+  return {ArmDirection(arms[kLightAzimuth], arms[kLightElevation]),
+          ArmDirection(arms[kCameraAzimuth], arms[kCameraElevation])};
+}
+
 ImageRegion AllPixels(const ArmAngles& arms, int width, int height) {
   ImageRegion region;
-  region.directions = {ArmDirection(arms[kLightAzimuth], arms[kLightElevation]),
-                       ArmDirection(arms[kCameraAzimuth], arms[kCameraElevation])};
+  region.directions = DirectionsOf(arms);
   region.pixels.resize(static_cast<std::size_t>(width) * height);
   std::iota(region.pixels.begin(), region.pixels.end(), 0u);
   region.light = region.directions.cos_theta_i();
   return region;
+}
+
+// How far a region looks from the directions of the arms [rad].
+double Astray(const ImageRegion& region, const DirectionPair& arms) {
+  return AngleBetween(region.directions.wi, arms.wi) + AngleBetween(region.directions.wo, arms.wo);
 }
 
 }  // namespace
@@ -209,6 +218,12 @@ std::vector<ImageRegion> RegionsOf(const Imaging& imaging, const ArmAngles& arms
   Halve(views.begin(), views.end(), halvings, [&](Views begin, Views end) {
     if (begin != end) regions.push_back(Join(begin, end));
   });
+  const DirectionPair centre = DirectionsOf(arms);
+  const auto nearest = std::min_element(regions.begin(), regions.end(),
+                                        [&](const ImageRegion& a, const ImageRegion& b) {
+                                          return Astray(a, centre) < Astray(b, centre);
+                                        });
+  std::rotate(regions.begin(), nearest, nearest + 1);
   return regions;
 }
 

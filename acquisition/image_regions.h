@@ -29,7 +29,8 @@ struct ImageRegion {
 // Without a focal length that is one region of all pixels, which see what the arms say. Otherwise
 // those that see the patch, lit and at a polar angle below `max_polar` on both sides, in `count`
 // parts of nearly equal size: halved again and again where the half vector or theta_d spreads
-// most. `count` is a power of two. Empty if no pixel is left; fewer if there are too few pixels.
+// most. `count` is a power of two. The first is the one that is nearest to the directions of the
+// arms. Empty if no pixel is left; fewer if there are too few pixels.
 std::vector<ImageRegion> RegionsOf(const Imaging& imaging, const ArmAngles& arms, int width,
                                    int height, double max_polar, int count = 1);
 

@@ -78,10 +78,7 @@ void ReduceChannel(const std::vector<Reading>& readings, const RadiometryConfig&
   *sigma = 1 / std::sqrt(weights);
 }
 
-}  // namespace
-
-BrdfSample Reduce(const PoseRecord& pose, const RigConfig& rig) {
-  const ImageRegion& region = pose.regions.front();
+BrdfSample ReduceRegion(const PoseRecord& pose, const ImageRegion& region, const RigConfig& rig) {
   BrdfSample sample;
   sample.directions = region.directions;
   for (int c = 0; c < kChannels; ++c) {
@@ -90,6 +87,16 @@ BrdfSample Reduce(const PoseRecord& pose, const RigConfig& rig) {
     ReduceChannel(readings, rig.radiometry, &sample.f_r[c], &sample.sigma[c]);
   }
   return sample;
+}
+
+}  // namespace
+
+std::vector<BrdfSample> Reduce(const PoseRecord& pose, const RigConfig& rig) {
+  std::vector<BrdfSample> samples;
+  for (const ImageRegion& region : pose.regions) {
+    samples.push_back(ReduceRegion(pose, region, rig));
+  }
+  return samples;
 }
 
 Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, Seconds exposure,

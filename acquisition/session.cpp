@@ -86,17 +86,18 @@ class Session {
   bool Take(const Proposal& proposal, const PoseRecord& record) {
     const PoseNote note{pose_count() + 1, proposal, parts_.planner.PredictedError()};
     if (!Kept([&](EventLog& log) { return log.AppendPose(note, record); })) return false;
-    const BrdfSample sample = Reduce(record, parts_.rig);
-    if (!Kept([&](EventLog& log) { return log.AppendSample(note.pose, sample); })) return false;
+    const std::vector<BrdfSample> samples = Reduce(record, parts_.rig);
+    if (!Kept([&](EventLog& log) { return log.AppendSamples(note.pose, samples); })) return false;
 
-    parts_.planner.Observe(proposal, sample);
+    parts_.planner.Observe(proposal, samples.front());
+    for (std::size_t i = 1; i < samples.size(); ++i) parts_.planner.AlsoObserve(samples[i]);
     rejections_in_a_row_ = 0;
     summary_.travel += record.move_time;
     summary_.frames += static_cast<int>(record.exposures.size());
     for (const Exposure& exposure : record.exposures) {
       summary_.exposing += exposure.frame.exposure + parts_.rig.camera.readout;
     }
-    summary_.poses.push_back({sample, record.end, parts_.planner.PredictedError()});
+    summary_.poses.push_back({samples, record.end, parts_.planner.PredictedError()});
     return true;
   }
 
@@ -193,7 +194,9 @@ const char* ToString(SessionOutcome outcome) {
 
 std::vector<BrdfSample> SessionSummary::Samples() const {
   std::vector<BrdfSample> samples;
-  for (const SessionPose& pose : poses) samples.push_back(pose.sample);
+  for (const SessionPose& pose : poses) {
+    samples.insert(samples.end(), pose.samples.begin(), pose.samples.end());
+  }
   return samples;
 }
 

@@ -61,7 +61,7 @@ using ProgressFunction = std::function<void(const Progress&)>;
 
 // One pose the session got, as the planner saw it.
 struct SessionPose {
-  BrdfSample sample;
+  std::vector<BrdfSample> samples;        // the proposed pose's first
   Seconds end{0};                         // session clock
   std::optional<double> predicted_error;  // of the planner's last fit before it
 };

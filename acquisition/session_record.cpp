@@ -94,9 +94,13 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db) {
       " (SELECT count(*) FROM exposures e WHERE e.pose = p.pose),"
       " s.wi_x, s.wi_y, s.wi_z, s.wo_x, s.wo_y, s.wo_z, s.f_r_red, s.f_r_green, s.f_r_blue,"
       " s.sigma_red, s.sigma_green, s.sigma_blue"
-      " FROM poses p JOIN samples s USING (pose) ORDER BY p.pose");
+      " FROM poses p JOIN samples s USING (pose) ORDER BY s.rowid");
   std::vector<MeasuredPose> poses;
   while (row.Step()) {
+    if (!poses.empty() && poses.back().pose == row.Integer(0)) {
+      poses.back().samples.push_back(ReadSample(row, kFirstSampleColumn));
+      continue;
+    }
     MeasuredPose& pose = poses.emplace_back();
     pose.pose = static_cast<int>(row.Integer(0));
     pose.candidate = static_cast<int>(row.Integer(1));
@@ -109,7 +113,7 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db) {
     pose.end = Seconds(row.Real(10));
     pose.predicted_error = RealOrNull(row, 11);
     pose.frames = static_cast<int>(row.Integer(12));
-    pose.sample = ReadSample(row, kFirstSampleColumn);
+    pose.samples.push_back(ReadSample(row, kFirstSampleColumn));
   }
   return poses;
 }
@@ -141,7 +145,9 @@ std::optional<SessionEnd> FindEnd(const std::vector<SessionEvent>& events) {
 
 std::vector<BrdfSample> SessionRecord::Samples() const {
   std::vector<BrdfSample> samples;
-  for (const MeasuredPose& pose : poses) samples.push_back(pose.sample);
+  for (const MeasuredPose& pose : poses) {
+    samples.insert(samples.end(), pose.samples.begin(), pose.samples.end());
+  }
   return samples;
 }
 

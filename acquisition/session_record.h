@@ -19,7 +19,9 @@ struct MeasuredPose {
   std::string reason;
   std::optional<double> score;  // what the planner maximised; empty if it was not finite
   HalfDiff planned;
-  BrdfSample sample;  // as it was when the planner learned of it, to the last bit
+  // As they were when the planner learned of them, to the last bit; not empty. The first is that of
+  // the pose, the others are what else its image shows.
+  std::vector<BrdfSample> samples;
   int frames = 0;
   int move_retries = 0;
   Seconds start{0};  // session clock

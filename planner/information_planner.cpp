@@ -101,6 +101,10 @@ void InformationPlanner::Refit() {
 void InformationPlanner::Observe(const Proposal& proposal, const BrdfSample& sample) {
   Reject(proposal);
   measured_.push_back(proposal.candidate);
+  AlsoObserve(sample);
+}
+
+void InformationPlanner::AlsoObserve(const BrdfSample& sample) {
   if (sample.sigma.isFinite().any()) samples_.push_back(sample);
 }
 

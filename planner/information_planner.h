@@ -38,6 +38,7 @@ class InformationPlanner final : public Planner {
 
   std::optional<Proposal> Next() override;
   void Observe(const Proposal& proposal, const BrdfSample& sample) override;
+  void AlsoObserve(const BrdfSample& sample) override;
   void Reject(const Proposal& proposal) override;
   std::string reason() const override { return reason_; }
   int MaxPoses() const override { return options_.max_poses; }

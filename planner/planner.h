@@ -57,6 +57,9 @@ class Planner {
   virtual std::optional<Proposal> Next() = 0;
   // `sample` was measured for `proposal`; its directions are the encoders', so a little off.
   virtual void Observe(const Proposal& proposal, const BrdfSample& sample) = 0;
+  // What else the image of the pose that was just observed shows: the sample under other
+  // directions, as a round sample has them. Planners that keep no fit have no use for it.
+  virtual void AlsoObserve(const BrdfSample&) {}
   // The pose could not be measured: shadowed, saturated, out of reach.
   virtual void Reject(const Proposal& proposal) = 0;
   // Why Next() returned nullopt, for the log and the report: "pose budget reached", ...

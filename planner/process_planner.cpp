@@ -226,6 +226,10 @@ void ProcessPlanner::Observe(const Proposal& proposal, const BrdfSample& sample)
   Reject(proposal);
   ++measured_;
   position_ = proposal.directions;
+  AlsoObserve(sample);
+}
+
+void ProcessPlanner::AlsoObserve(const BrdfSample& sample) {
   if (sample.sigma.isFinite().any()) samples_.push_back(sample);
 }
 

@@ -44,7 +44,9 @@ void ExportCsv(const std::filesystem::path& input, const std::filesystem::path& 
   const SessionRecord session = ReadSession(input);
   std::vector<MeasuredSample> rows;
   for (const MeasuredPose& pose : session.poses) {
-    rows.push_back({pose.pose, pose.sample, pose.end.count()});
+    for (const BrdfSample& sample : pose.samples) {
+      rows.push_back({pose.pose, sample, pose.end.count()});
+    }
   }
   if (rows.empty()) throw ConfigError(input.string() + ": holds no sample to export");
   const SessionInfo& info = session.info;

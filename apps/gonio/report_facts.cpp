@@ -154,12 +154,14 @@ ReportFacts GatherFacts(const std::filesystem::path& dir) {
   return facts;
 }
 
-HalfDiff AnglesOf(const MeasuredPose& pose) { return ToHalfDiff(pose.sample.directions); }
+HalfDiff AnglesOf(const MeasuredPose& pose) { return ToHalfDiff(pose.samples.front().directions); }
 
 int LostReadings(const SessionRecord& session) {
   int lost = 0;
   for (const MeasuredPose& pose : session.poses) {
-    lost += static_cast<int>((!pose.sample.sigma.isFinite()).count());
+    for (const BrdfSample& sample : pose.samples) {
+      lost += static_cast<int>((!sample.sigma.isFinite()).count());
+    }
   }
   return lost;
 }

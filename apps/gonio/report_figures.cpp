@@ -142,15 +142,15 @@ PlotTable SliceCurves(const ReportFacts& facts, double theta_d, LogRange* range)
 // f_r itself may change by more than all errors together.
 PlotTable SliceSamples(const ReportFacts& facts, double theta_d, LogRange* range) {
   PlotTable table{"samples", {}};
-  for (const MeasuredPose& pose : facts.session.poses) {
-    const HalfDiff angles = AnglesOf(pose);
+  for (const BrdfSample& sample : facts.session.Samples()) {
+    const HalfDiff angles = ToHalfDiff(sample.directions);
     if (std::abs(angles.theta_d - theta_d) > kSliceReach) continue;
     std::vector<double>& row = table.rows.emplace_back(1, SqrtDeg(angles.theta_h));
     const Rgb here = facts.fit->Predict({angles.theta_h, theta_d, kSlicePhi}).f_r;
     const Rgb carry = (here + kDarkest) / (facts.fit->Predict(angles).f_r + kDarkest);
     for (int c = 0; c < kChannels; ++c) {
-      const double f = carry[c] * pose.sample.f_r[c];
-      const double spread = 2 * carry[c] * pose.sample.sigma[c];
+      const double f = carry[c] * sample.f_r[c];
+      const double spread = 2 * carry[c] * sample.sigma[c];
       const bool shown = f > 0 && std::isfinite(f + spread);
       if (shown) range->Include(f);
       row.insert(row.end(), {shown ? f : kMissing, shown ? std::max(f - spread, 1e-9) : kMissing,

@@ -212,32 +212,35 @@ std::string Reading(double f_r, double sigma) {
   return fmt::format("{:.{}f} <i>± {:.{}f}</i>", f_r, places, sigma, places);
 }
 
-std::string SampleRow(const MeasuredPose& pose) {
-  const HalfDiff angles = AnglesOf(pose);
+std::string SampleRow(const MeasuredPose& pose, const BrdfSample& sample) {
+  const HalfDiff angles = ToHalfDiff(sample.directions);
   std::string row = fmt::format(
       "<tr><td>{}</td><td class=\"text\">{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.1f}</td>",
       pose.pose, XmlText(pose.reason), DegFromRad(angles.theta_h), DegFromRad(angles.theta_d),
       DegFromRad(angles.phi_d));
   for (int c = 0; c < kChannels; ++c) {
-    row += "<td>" + Reading(pose.sample.f_r[c], pose.sample.sigma[c]) + "</td>";
+    row += "<td>" + Reading(sample.f_r[c], sample.sigma[c]) + "</td>";
   }
   return row + fmt::format("<td>{}</td><td>{:.1f}</td></tr>\n", pose.frames, pose.end.count());
 }
 
 std::string Samples(const ReportFacts& facts) {
-  const std::vector<MeasuredPose>& poses = facts.session.poses;
-  const std::size_t shown = std::min(poses.size(), kRowsShown);
+  std::vector<std::string> rows;
+  for (const MeasuredPose& pose : facts.session.poses) {
+    for (const BrdfSample& sample : pose.samples) rows.push_back(SampleRow(pose, sample));
+  }
+  const std::size_t shown = std::min(rows.size(), kRowsShown);
   std::string html = Typeset(
       "<div class=\"wide\"><table class=\"numbers\">\n<tr><th>pose</th><th class=\"text\">why</th>"
       "<th>θ_h [deg]</th><th>θ_d [deg]</th><th>φ_d [deg]</th><th>f_r red [1/sr]</th>"
       "<th>f_r green [1/sr]</th><th>f_r blue [1/sr]</th><th>frames</th><th>time [s]</th></tr>\n");
-  for (std::size_t i = 0; i < shown; ++i) html += SampleRow(poses[i]);
+  for (std::size_t i = 0; i < shown; ++i) html += rows[i];
   // The path is not ours to typeset.
   return html +
          fmt::format(
              "</table></div>\n<p class=\"caption\">The first {} of {} samples with their standard "
              "uncertainty. All of them: <code>gonio export {} --to csv SAMPLES.csv</code></p>\n",
-             shown, poses.size(), XmlText(facts.dir.string()));
+             shown, rows.size(), XmlText(facts.dir.string()));
 }
 
 std::string Refusals(const ReportFacts& facts) {

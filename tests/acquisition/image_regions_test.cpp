@@ -94,6 +94,13 @@ TEST(RegionsOf, DivideThePixelsAmongThem) {
     EXPECT_NEAR(region.pixels.size(), one[0].pixels.size() / 8.0, 3);
   }
   EXPECT_EQ(sum, one[0].pixels.size());
+  // The first is the pose's own.
+  const DirectionPair centre = RegionsOf({}, arms, 1, 1, kMaxPolar)[0].directions;
+  const auto astray = [&](const ImageRegion& region) {
+    return AngleBetween(region.directions.wi, centre.wi) +
+           AngleBetween(region.directions.wo, centre.wo);
+  };
+  for (const ImageRegion& region : eight) EXPECT_LE(astray(eight[0]), astray(region));
 }
 
 // The point of image-based measurement: one image of a sphere holds a fan of theta_h at nearly the

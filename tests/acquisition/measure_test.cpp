@@ -31,7 +31,7 @@ TEST(PoseMeasurer, MeasuresAPaperInOneFrameWhenItKnowsWhatToExpect) {
   ASSERT_TRUE(record.ok());
   EXPECT_EQ(record->exposures.size(), 1);
   EXPECT_EQ(measurer.position(), record->readback);
-  const BrdfSample sample = Reduce(*record, rig.rig);
+  const BrdfSample sample = Reduce(*record, rig.rig).front();
   for (int c = 0; c < kChannels; ++c) {
     EXPECT_NEAR(sample.f_r[c], 0.3, 5 * sample.sigma[c]);
     EXPECT_NEAR(sample.sigma[c] / 0.3, 0.0122, 0.0005);
@@ -68,7 +68,7 @@ TEST(PoseMeasurer, RepeatsTheFrameThatSuitsAsOftenAsAskedAndAllowed) {
   for (const Exposure& e : four->exposures) {
     EXPECT_EQ(e.frame.exposure, four->exposures.front().frame.exposure);
   }
-  const BrdfSample sample = Reduce(*four, rig.rig);
+  const BrdfSample sample = Reduce(*four, rig.rig).front();
   for (int c = 0; c < kChannels; ++c) EXPECT_NEAR(sample.sigma[c] / 0.3, 0.0061, 0.0003);
   const auto many = measurer.Measure(PairAt(20, 30), Rgb(0.3, 0.3, 0.3), {}, 99);
   ASSERT_TRUE(many.ok());
@@ -121,7 +121,7 @@ TEST(PoseMeasurer, FindsAMirrorPeakItDidNotExpect) {
   PoseMeasurer measurer = rig.Prepared();
   const auto record = measurer.Measure(PairAt(0, 30), Rgb(0.01, 0.01, 0.01), {});
   ASSERT_TRUE(record.ok());
-  const BrdfSample sample = Reduce(*record, rig.rig);
+  const BrdfSample sample = Reduce(*record, rig.rig).front();
   for (int c = 0; c < kChannels; ++c) EXPECT_NEAR(sample.f_r[c], 3000, 5 * sample.sigma[c]);
 }
 
@@ -157,7 +157,7 @@ TEST(PoseMeasurer, GivesOneSaturatedChannelAnInfiniteSigma) {
   const auto record = measurer.Measure(PairAt(20, 30), std::nullopt, {});
   ASSERT_TRUE(record.ok());
   EXPECT_LE(std::ssize(record->exposures), rig.rig.exposure.max_frames);
-  const BrdfSample sample = Reduce(*record, rig.rig);
+  const BrdfSample sample = Reduce(*record, rig.rig).front();
   EXPECT_TRUE(std::isinf(sample.sigma[0]));
   EXPECT_EQ(sample.f_r[0], 0);
   EXPECT_NEAR(sample.f_r[1], 0.3, 5 * sample.sigma[1]);
@@ -172,7 +172,7 @@ TEST(PoseMeasurer, MeasuresDarkClothInTwoSeconds) {
   double exposed = 0;
   for (const Exposure& e : record->exposures) exposed += e.frame.exposure.count();
   EXPECT_LT(exposed, 2);
-  const BrdfSample sample = Reduce(*record, rig.rig);
+  const BrdfSample sample = Reduce(*record, rig.rig).front();
   for (int c = 0; c < kChannels; ++c) {
     EXPECT_NEAR(sample.f_r[c], 0.002, 5 * sample.sigma[c]);
     EXPECT_LT(sample.sigma[c], 0.03 * 0.002);

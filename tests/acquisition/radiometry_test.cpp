@@ -34,7 +34,8 @@ TEST(Reduce, FollowsTheMeasurementEquation) {
   rig.radiometry.responsivity = {1000, 2000, 4000};
   rig.radiometry.electrons_per_count = 2;
   rig.radiometry.dark_current = 10;
-  const BrdfSample sample = Reduce(PoseAt60Deg({FrameOf({1064, 564, 164}, 0.5, 64, 0.8)}), rig);
+  const BrdfSample sample =
+      Reduce(PoseAt60Deg({FrameOf({1064, 564, 164}, 0.5, 64, 0.8)}), rig).front();
   // (counts - 64) * 2 electrons - 10 * 0.5 s, over responsivity * 0.8 * 0.5 s * cos 60 deg.
   EXPECT_NEAR(sample.f_r[0], 1995 / (1000 * 0.8 * 0.5 * 0.5), 1e-9);
   EXPECT_NEAR(sample.f_r[1], 995 / (2000 * 0.8 * 0.5 * 0.5), 1e-9);
@@ -53,7 +54,8 @@ TEST(Reduce, AddsTheVariancesOfOneFrame) {
                     .monitor_noise = 0.04};
   const double gain = 1000 * 0.5 * 0.5;
   const double signal = 1000 * 2 - 10 * 0.5;
-  const BrdfSample sample = Reduce(PoseAt60Deg({FrameOf(Rgb::Constant(1064), 0.5, 64)}), rig);
+  const BrdfSample sample =
+      Reduce(PoseAt60Deg({FrameOf(Rgb::Constant(1064), 0.5, 64)}), rig).front();
   const double variance =
       (signal + 10 * 0.5 + 36 + 4.0 / 12) / 64 + (0.0009 + 0.0016) * signal * signal;
   EXPECT_NEAR(sample.sigma[0], std::sqrt(variance) / gain, 1e-9);
@@ -63,7 +65,7 @@ TEST(Reduce, GivesTheRoundingOfANoiselessCameraItsFullSize) {
   RigConfig rig = DefaultRig();
   rig.radiometry = {.responsivity = Rgb::Constant(1000), .electrons_per_count = 1000};
   // No light: nothing spreads the pixels, so 64 of them know no more than one.
-  const BrdfSample sample = Reduce(PoseAt60Deg({FrameOf(Rgb::Constant(64), 0.5, 64)}), rig);
+  const BrdfSample sample = Reduce(PoseAt60Deg({FrameOf(Rgb::Constant(64), 0.5, 64)}), rig).front();
   EXPECT_NEAR(sample.sigma[0], 1000 / std::sqrt(12) / (1000 * 0.5 * 0.5), 0.1);
 }
 
@@ -74,10 +76,10 @@ TEST(Reduce, WeighsFramesByInverseVariance) {
   // The same light in a short and a long frame; read noise makes the short one worth less.
   const PoseRecord both =
       PoseAt60Deg({FrameOf(Rgb::Constant(100), 0.2, 0), FrameOf(Rgb::Constant(1000), 2, 0)});
-  const BrdfSample sample = Reduce(both, rig);
+  const BrdfSample sample = Reduce(both, rig).front();
   EXPECT_NEAR(sample.f_r[0], 1, 1e-9);
-  const BrdfSample one = Reduce(PoseAt60Deg({both.exposures[0]}), rig);
-  const BrdfSample other = Reduce(PoseAt60Deg({both.exposures[1]}), rig);
+  const BrdfSample one = Reduce(PoseAt60Deg({both.exposures[0]}), rig).front();
+  const BrdfSample other = Reduce(PoseAt60Deg({both.exposures[1]}), rig).front();
   EXPECT_NEAR(1 / std::pow(sample.sigma[0], 2),
               1 / std::pow(one.sigma[0], 2) + 1 / std::pow(other.sigma[0], 2), 1e-6);
   EXPECT_LT(other.sigma[0], one.sigma[0] / 2);
@@ -88,23 +90,23 @@ TEST(Reduce, MasksAChannelOnlyInTheFramesThatSaturateIt) {
   Exposure bright = FrameOf({4095, 1000, 1000}, 0.5, 64);
   bright.saturated[0] = true;
   const Exposure dim = FrameOf({2000, 158, 158}, 0.05, 64);
-  const BrdfSample both = Reduce(PoseAt60Deg({bright, dim}), rig);
-  EXPECT_EQ(both.f_r[0], Reduce(PoseAt60Deg({dim}), rig).f_r[0]);
-  EXPECT_LT(both.sigma[1], Reduce(PoseAt60Deg({dim}), rig).sigma[1]);
-  const BrdfSample clipped = Reduce(PoseAt60Deg({bright}), rig);
+  const BrdfSample both = Reduce(PoseAt60Deg({bright, dim}), rig).front();
+  EXPECT_EQ(both.f_r[0], Reduce(PoseAt60Deg({dim}), rig).front().f_r[0]);
+  EXPECT_LT(both.sigma[1], Reduce(PoseAt60Deg({dim}), rig).front().sigma[1]);
+  const BrdfSample clipped = Reduce(PoseAt60Deg({bright}), rig).front();
   EXPECT_EQ(clipped.sigma[0], std::numeric_limits<double>::infinity());
   EXPECT_EQ(clipped.f_r[0], 0);
 }
 
 TEST(Reduce, KeepsNegativeReadings) {
   const BrdfSample sample =
-      Reduce(PoseAt60Deg({FrameOf(Rgb::Constant(63), 0.5, 64)}), DefaultRig());
+      Reduce(PoseAt60Deg({FrameOf(Rgb::Constant(63), 0.5, 64)}), DefaultRig()).front();
   EXPECT_LT(sample.f_r[0], 0);
   EXPECT_GT(sample.sigma[0], 0);
 }
 
 TEST(Reduce, KnowsNothingWithoutExposures) {
-  const BrdfSample sample = Reduce(PoseAt60Deg({}), DefaultRig());
+  const BrdfSample sample = Reduce(PoseAt60Deg({}), DefaultRig()).front();
   for (int c = 0; c < kChannels; ++c) EXPECT_TRUE(std::isinf(sample.sigma[c]));
 }
 
@@ -120,7 +122,7 @@ TEST(Reduce, IsExactToRoundingWhenEveryImperfectionIsOff) {
   PoseMeasurer measurer = rig.Prepared();
   const auto record = measurer.Measure(PairAt(33, 25, 70), std::nullopt, {});
   ASSERT_TRUE(record.ok());
-  const BrdfSample measured = Reduce(*record, config);
+  const BrdfSample measured = Reduce(*record, config).front();
   const double exposure = record->exposures.back().frame.exposure.count();
   for (int c = 0; c < kChannels; ++c) {
     const double count = truth.electrons_per_count /
@@ -153,7 +155,7 @@ TEST_P(Reductions, HaveStandardScores) {
     PoseMeasurer measurer = rig.Prepared();
     const auto record = measurer.Measure(PairAt(25, 30, 60), GetParam().expected, {});
     ASSERT_TRUE(record.ok()) << record.error().message;
-    const BrdfSample measured = Reduce(*record, rig.rig);
+    const BrdfSample measured = Reduce(*record, rig.rig).front();
     const Rgb z = (measured.f_r - truth) / measured.sigma;
     sum += z;
     squares += z * z;

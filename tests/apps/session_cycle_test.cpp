@@ -167,8 +167,8 @@ TEST_F(SessionCycle, LeavesOutWhatASimulatedMaterialDoesNotKnow) {
   const SessionRecord session = ReadSession(work() / "s");
   EXPECT_EQ(session.poses.size(), 20u);
   for (const MeasuredPose& pose : session.poses) {
-    EXPECT_LT(ToHalfDiff(pose.sample.directions).theta_d, 0.8);
-    EXPECT_NEAR(pose.sample.f_r[1], 0.2, 0.05);
+    EXPECT_LT(ToHalfDiff(pose.samples.front().directions).theta_d, 0.8);
+    EXPECT_NEAR(pose.samples.front().f_r[1], 0.2, 0.05);
   }
 }
 

@@ -55,8 +55,9 @@ TEST_F(SimDevices, ASessionOverTheWiresMeasuresTheSample) {
   const SessionRecord record = ReadSession(work() / "session");
   ASSERT_EQ(record.poses.size(), 4u);
   for (const MeasuredPose& pose : record.poses) {
-    const Rgb miss = (pose.sample.f_r - Rgb(0.2, 0.4, 0.6) / kPi) / pose.sample.sigma;
-    EXPECT_LT(miss.abs().maxCoeff(), 5) << pose.sample.f_r;
+    const Rgb miss =
+        (pose.samples.front().f_r - Rgb(0.2, 0.4, 0.6) / kPi) / pose.samples.front().sigma;
+    EXPECT_LT(miss.abs().maxCoeff(), 5) << pose.samples.front().f_r;
   }
   const auto& devices = record.info.devices;
   EXPECT_THAT(devices.at("light_azimuth"), StartsWith("Zaber device 50081"));

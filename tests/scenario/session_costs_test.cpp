@@ -62,7 +62,7 @@ TEST(NoiseOn, ForetellsTheSigmaOfAReading) {
       if (record->exposures.size() > 1) continue;  // another frame is not foreseen
       ++compared;
       const Rgb foretold = noise(pair, Rgb::Constant(f_r));
-      const BrdfSample reading = Reduce(*record, rig);
+      const BrdfSample reading = Reduce(*record, rig).front();
       for (int c = 0; c < kChannels; ++c) {
         EXPECT_NEAR(foretold[c], reading.sigma[c], 0.1 * reading.sigma[c]) << f_r << " " << theta_h;
       }

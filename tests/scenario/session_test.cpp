@@ -96,8 +96,8 @@ TEST(Session, LogsEverythingInOrder) {
   EXPECT_EQ(session.poses[0].predicted_error, 1.0);  // before the first pose
   EXPECT_EQ(session.poses[1].predicted_error, 0.5);
   for (std::size_t i = 0; i < 2; ++i) {
-    EXPECT_TRUE((session.poses[i].sample.f_r == planner.observed[i].f_r).all());
-    EXPECT_EQ(session.poses[i].sample.directions.wi, planner.observed[i].directions.wi);
+    EXPECT_TRUE((session.poses[i].samples.front().f_r == planner.observed[i].f_r).all());
+    EXPECT_EQ(session.poses[i].samples.front().directions.wi, planner.observed[i].directions.wi);
   }
 }
 

@@ -99,7 +99,8 @@ TEST(WireSession, MeasuresWhatTheSampleIs) {
   EXPECT_EQ(summary.outcome, SessionOutcome::kComplete) << summary.reason;
   ASSERT_EQ(summary.poses.size(), 4u);
   for (const auto& pose : summary.poses) {
-    EXPECT_TRUE(pose.sample.f_r.isApprox(Rgb(0.2, 0.4, 0.6) / kPi, 0.01)) << pose.sample.f_r;
+    EXPECT_TRUE(pose.samples.front().f_r.isApprox(Rgb(0.2, 0.4, 0.6) / kPi, 0.01))
+        << pose.samples.front().f_r;
   }
 }
 
@@ -122,8 +123,8 @@ TEST(WireSession, AgreesWithTheRigInsideTheProgramWithinItsNoise) {
   const SessionSummary without = inside.Run(planner);
   ASSERT_EQ(over_wires.poses.size(), without.poses.size());
   for (std::size_t i = 0; i < without.poses.size(); ++i) {
-    const BrdfSample& a = over_wires.poses[i].sample;
-    const BrdfSample& b = without.poses[i].sample;
+    const BrdfSample& a = over_wires.poses[i].samples.front();
+    const BrdfSample& b = without.poses[i].samples.front();
     EXPECT_LT(((a.f_r - b.f_r) / (a.sigma.square() + b.sigma.square()).sqrt()).abs().maxCoeff(), 4);
   }
 }
