@@ -41,13 +41,14 @@ function(gonio_module name)
   endif()
 endfunction()
 
-# gonio_test(NAME LABEL label SOURCES ... LINK ... [SKIP_RETURN_CODE code])
+# gonio_test(NAME LABEL label SOURCES ... LINK ... [SKIP_RETURN_CODE code] [PROPERTIES ...])
 #   One test executable per folder (links are slow on small machines); ctest names are NAME.Suite.Test.
 #   The target tests_LABEL builds all executables of a label. A test that ends with `code` was skipped.
 #   With GONIO_TEST_SHARDS each executable is so many ctest tests instead, NAME.part1, ...: programs under
 #   sanitizers take long to start, and tests that share what they prepare do it once.
+#   PROPERTIES are those of ctest.
 function(gonio_test name)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;SKIP_RETURN_CODE" "SOURCES;LINK")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "" "LABEL;SKIP_RETURN_CODE" "SOURCES;LINK;PROPERTIES")
   set(skip "")
   if(arg_SKIP_RETURN_CODE)
     set(skip SKIP_RETURN_CODE ${arg_SKIP_RETURN_CODE})
@@ -66,11 +67,11 @@ function(gonio_test name)
     foreach(shard RANGE 1 ${GONIO_TEST_SHARDS})
       math(EXPR index "${shard} - 1")
       add_test(NAME ${name}.part${shard} COMMAND ${name}_test --gtest_brief=1)
-      set_tests_properties(${name}.part${shard} PROPERTIES LABELS "${arg_LABEL}" TIMEOUT 1200 ${skip}
+      set_tests_properties(${name}.part${shard} PROPERTIES LABELS "${arg_LABEL}" TIMEOUT 1200 ${skip} ${arg_PROPERTIES}
         ENVIRONMENT "GTEST_TOTAL_SHARDS=${GONIO_TEST_SHARDS};GTEST_SHARD_INDEX=${index}")
     endforeach()
   else()
     gtest_discover_tests(${name}_test TEST_PREFIX "${name}." DISCOVERY_TIMEOUT 60
-      PROPERTIES LABELS "${arg_LABEL}" TIMEOUT 300 ${skip})
+      PROPERTIES LABELS "${arg_LABEL}" TIMEOUT 300 ${skip} ${arg_PROPERTIES})
   endif()
 endfunction()

@@ -187,7 +187,8 @@ ControllerStatus Controller::Judge(const apt::Status& status) {
   const bool homed = (status.bits & kHomed) != 0;
   const bool enabled = (status.bits & kEnabled) != 0;
   if (turning) last_turning_ = clock_->Now();
-  if (!homed || (status.bits & kHoming) != 0) unhomed_ = true;
+  // Where it stands at its mark already, homing may be over before a status could show it.
+  if (!homed || (status.bits & kHoming) != 0 || link_->HasHomed(address_)) unhomed_ = true;
   const bool done = errand_ == Errand::kMove ? std::abs(status.position - target_) <= tolerance_
                                              : unhomed_ && homed;
   const bool waiting =

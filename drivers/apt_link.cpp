@@ -51,9 +51,15 @@ std::string Link::ReportOf(int module) {
   return report == reports_.end() ? std::string() : report->second;
 }
 
+bool Link::HasHomed(const Address& motor) {
+  const std::lock_guard lock(mutex_);
+  return homed_.contains({motor.module, motor.channel});
+}
+
 void Link::Forget(int module) {
   const std::lock_guard lock(mutex_);
   reports_.erase(module);
+  std::erase_if(homed_, [&](const auto& motor) { return motor.first == module; });
 }
 
 Result<Message> Link::Exchange(const Message* command, const Message& question, Id answer) {
@@ -133,6 +139,7 @@ void Link::Note(const Message& message) {
   if (const auto report = ReportIn(message)) {
     reports_[message.source] = fmt::format("its controller reports {}", report->text);
   }
+  if (message.id == kMoveHomed) homed_.insert({message.source, ChannelOf(message).value_or(1)});
 }
 
 // That the link is gone shows when it is used next.

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <set>
 #include <string>
 
 #include "drivers/apt_codec.h"
@@ -39,6 +40,8 @@ class Link {
 
   // The last error that a module has reported out of turn, until it is forgotten; empty: none.
   std::string ReportOf(int module);
+  // Whether it has said since then that a motor has been homed (MOVE_HOMED).
+  bool HasHomed(const Address& motor);
   void Forget(int module);
 
  private:
@@ -54,8 +57,9 @@ class Link {
   std::mutex mutex_;
   std::unique_ptr<ByteLink> link_;
   Seconds reply_limit_;
-  std::string pending_;                 // what has come of a message that is not complete
-  std::map<int, std::string> reports_;  // by module
+  std::string pending_;                  // what has come of a message that is not complete
+  std::map<int, std::string> reports_;   // by module
+  std::set<std::pair<int, int>> homed_;  // modules and channels
 };
 
 }  // namespace gonio::apt

@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "drivers/deadline.h"
+#include "drivers/permission.h"
 
 namespace gonio {
 namespace {
@@ -83,10 +84,7 @@ std::string WhyOf(sp_return result) {
 std::string WhyNotOpened(const std::string& path, sp_return result) {
   switch (result == SP_ERR_FAIL ? sp_last_error_code() : 0) {
     case EACCES:
-      return fmt::format(
-          "{}: no permission; add yourself to the group that owns it, dialout as a rule: "
-          "adduser $USER dialout",
-          path);
+      return fmt::format("{}: {}", path, kNoPortPermission);
     case ENOENT:
     case ENODEV:
     case ENXIO:

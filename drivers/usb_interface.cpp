@@ -10,6 +10,8 @@
 #include <tuple>
 #include <utility>
 
+#include "drivers/permission.h"
+
 namespace gonio {
 namespace {
 
@@ -148,10 +150,7 @@ std::string Name(const UsbSelection& selection) {
 }
 
 Error NoPermission(const std::string& name) {
-  return Refused(
-      fmt::format("{}: no permission; copy 60-goniopilot.rules into /etc/udev/rules.d, run udevadm "
-                  "control --reload, and plug it in again",
-                  name));
+  return Refused(fmt::format("{}: {}", name, kNoUsbPermission));
 }
 
 // The one that is wanted, or a reason why there is none.

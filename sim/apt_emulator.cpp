@@ -157,10 +157,7 @@ std::string AptEmulator::Obey(const Header& header, std::string_view data) {
     return Status(0x0466);
   }
   std::string answer = Get(header);
-  if (answer.empty()) {
-    answer = Raw(std::uint16_t{0x0080}) + Raw(std::uint16_t{0}) + Raw(std::uint8_t{1}) +
-             Raw(stage_.module);
-  }
+  if (answer.empty()) answer = HwResponse();
   return complained_of_ == 0 ? std::exchange(complaint_, {}) + answer : answer;
 }
 
@@ -276,6 +273,11 @@ std::string AptEmulator::Long(std::uint16_t id, const std::string& data, int sou
          Raw(from) + data;
 }
 
+std::string AptEmulator::HwResponse() const {
+  return Raw(std::uint16_t{0x0080}) + Raw(std::uint16_t{0}) + Raw(std::uint8_t{1}) +
+         Raw(stage_.module);
+}
+
 std::int32_t AptEmulator::backlash() const {
   const std::lock_guard lock(mutex_);
   return backlash_;
@@ -312,6 +314,12 @@ void AptEmulator::Complain(std::uint16_t about, std::uint16_t code, const std::s
   const std::lock_guard lock(mutex_);
   complained_of_ = about;
   complaint_ = Long(0x0081, Raw(about) + Raw(code) + Padded(notes, 64));
+}
+
+void AptEmulator::Complain() {
+  const std::lock_guard lock(mutex_);
+  complained_of_ = 0;
+  complaint_ = HwResponse();
 }
 
 void AptEmulator::Chatter() {

@@ -61,7 +61,8 @@ class AptEmulator {
   void SetBits(std::uint32_t bits);  // more bits of the status, nothing else
   // HW_RICHRESPONSE goes out before what it would say next: unasked, or instead of obeying `about`.
   void Complain(std::uint16_t about, std::uint16_t code, const std::string& notes);
-  void Chatter();  // as if another program had asked for updates: one before each answer
+  void Complain();  // HW_RESPONSE, which names nothing, the same way: unasked
+  void Chatter();   // as if another program had asked for updates: one before each answer
 
  private:
   struct Header;
@@ -77,6 +78,7 @@ class AptEmulator {
   std::uint32_t Bits() const;
   std::int32_t Counter() const;
   std::string Long(std::uint16_t id, const std::string& data, int source = 0) const;
+  std::string HwResponse() const;
 
   const AptStage stage_;
   const std::shared_ptr<Clock> clock_;

@@ -21,13 +21,7 @@ PtyServer::~PtyServer() { HangUp(); }
 void PtyServer::HangUp() {
   ended_ = true;
   if (thread_.joinable()) thread_.join();
-  const std::lock_guard lock(sending_);
   pty_.HangUp();
-}
-
-void PtyServer::Send(std::string_view bytes) {
-  const std::lock_guard lock(sending_);
-  pty_.Send(bytes);
 }
 
 void PtyServer::set_silent(bool silent) { silent_ = silent; }
@@ -43,7 +37,7 @@ void PtyServer::Serve() {
       --garbled_;
       answer[1] ^= 2;
     }
-    Send(answer);
+    pty_.Send(answer);
   }
 }
 

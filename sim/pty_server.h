@@ -5,7 +5,6 @@
 
 #include <atomic>
 #include <functional>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -28,9 +27,6 @@ class PtyServer {
 
   const std::string& path() const { return path_; }
 
-  // What the device says unasked. Any thread.
-  void Send(std::string_view bytes);
-
   // Faults of the wire. Any thread.
   void HangUp();                 // pulls out the cable: the program finds itself disconnected
   void set_silent(bool silent);  // the device hears and does, but no answer arrives
@@ -40,7 +36,6 @@ class PtyServer {
   void Serve();
 
   Device device_;
-  std::mutex sending_;  // what is sent at once stays together
   Unasked unasked_;
   Pty pty_;
   std::string path_;

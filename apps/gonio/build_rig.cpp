@@ -7,7 +7,6 @@
 #include "apps/gonio/device_error.h"
 #include "core/config.h"
 #include "core/file.h"
-#include "drivers/axis_opener.h"
 #include "sim/sim_camera.h"
 #include "sim/sim_rig.h"
 
@@ -51,11 +50,7 @@ enum Stream { kCameraStream = 20, kMonitorStream = 30 };
 void OpenAxes(const RigConfig& config, OpenedRig& rig) {
   AxisOpener opener(rig.clock.get(), rig.wires);
   for (int i = 0; i < kAxes; ++i) {
-    ControllerAxisSettings settings;
-    settings.name = kAxisNames[i];
-    settings.limits = config.axes[i];
-    settings.home_limit = config.motion.home_limit;
-    auto axis = opener.Open(*config.axis_devices[i], settings);
+    auto axis = OpenRealAxis(config, static_cast<AxisIndex>(i), opener);
     if (!axis) Refuse(config.axis_devices[i]->where, axis.error(), *rig.wires);
     rig.devices.axes[i] = std::move(axis).value();
   }
@@ -81,6 +76,15 @@ void OpenLightAndMonitor(const RigFile& file, std::uint64_t seed, OpenedRig& rig
 }
 
 }  // namespace
+
+Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
+                                           AxisOpener& opener) {
+  ControllerAxisSettings settings;
+  settings.name = kAxisNames[axis];
+  settings.limits = config.axes[axis];
+  settings.home_limit = config.motion.home_limit;
+  return opener.Open(*config.axis_devices[axis], settings);
+}
 
 OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
                    std::unique_ptr<Clock> clock) {

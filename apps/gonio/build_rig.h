@@ -10,6 +10,7 @@
 #include "acquisition/rig.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
+#include "drivers/axis_opener.h"
 #include "drivers/link_log.h"
 #include "planner/candidates.h"
 #include "sim/sim_config.h"
@@ -42,6 +43,10 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
 // says, or cannot do it; DeviceError, with the last lines of the wires, if one does not answer.
 OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
                    std::unique_ptr<Clock> clock);
+
+// One axis of it, as OpenReal() opens them, on a line that others may share.
+Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
+                                           AxisOpener& opener);
 
 // The poses a plan may choose from: those the rig can reach and where the simulated `sample`, which
 // must outlive the result, has a reflectance: measured materials end somewhere, and beyond it the

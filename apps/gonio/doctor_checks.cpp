@@ -10,6 +10,7 @@
 #include <optional>
 #include <system_error>
 
+#include "drivers/permission.h"
 #include "drivers/serial_port.h"
 
 namespace gonio {
@@ -17,9 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Kind = Finding::Kind;
-
-constexpr const char* kRules =
-    "copy 60-goniopilot.rules to /etc/udev/rules.d, run udevadm control --reload, plug it in again";
 
 // One line of the system's about a device, without its end; empty if it does not say.
 std::string Attribute(const fs::path& file) {
@@ -48,15 +46,11 @@ std::optional<Finding> CheckLatency(const std::string& port) {
   if (milliseconds.empty() || milliseconds == "1") return std::nullopt;
   return Finding{Kind::kHint, port,
                  fmt::format("its adapter holds answers back for {} ms; {}, or: echo 1 > {}",
-                             milliseconds, kRules, file.string())};
+                             milliseconds, kInstallRules, file.string())};
 }
 
 Finding CheckPort(const SerialPortInfo& port) {
-  if (!MayOpen(port.path)) {
-    return {Kind::kWrong, port.path,
-            "no permission; add yourself to the group that owns it, dialout as a rule: "
-            "adduser $USER dialout, and log in again"};
-  }
+  if (!MayOpen(port.path)) return {Kind::kWrong, port.path, kNoPortPermission};
   if (auto slow = CheckLatency(port.path)) return *slow;
   return {Kind::kFine, port.path, port.description.empty() ? "serial port" : port.description};
 }
@@ -80,7 +74,7 @@ Finding CheckInstrument(const fs::path& device, const fs::path& interface) {
   const std::string subject =
       fmt::format("USB {}:{} {}", Attribute(device / "idVendor"), Attribute(device / "idProduct"),
                   Attribute(device / "serial"));
-  if (!MayOpen(node)) return {Kind::kWrong, subject, fmt::format("no permission; {}", kRules)};
+  if (!MayOpen(node)) return {Kind::kWrong, subject, kNoUsbPermission};
   const std::string driver = DriverOf(interface);
   if (driver == "usbtmc") {
     return {Kind::kHint, subject,

@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <string>
 #include <thread>
 
 #include "drivers/axis.h"
@@ -24,35 +25,63 @@ struct AxisSubject {
   std::unique_ptr<Axis> axis;
   std::function<double()> shaft;    // true position [rad], also after the axis is gone
   std::function<void()> pull_plug;  // breaks the link
-
-  double Middle() const { return (axis->limits().min_position + axis->limits().max_position) / 2; }
+  // Of a real one nobody knows where it stands but itself, also after it was opened again; and
+  // nobody pulls its plug. Those two are empty then.
+  std::function<std::unique_ptr<Axis>()> open_again;
+  double noise = 0;    // rad, of the position of an axis that stands
+  std::string absent;  // why there is none, so that tests are skipped
 };
 using AxisFactory = std::function<AxisSubject()>;
 
 class AxisConformance : public testing::TestWithParam<AxisFactory> {
  protected:
-  void SetUp() override { subject_ = GetParam()(); }
+  void SetUp() override {
+    subject_ = GetParam()();
+    if (!subject_.absent.empty()) GTEST_SKIP() << subject_.absent;
+  }
 
   Axis& axis() { return *subject_.axis; }
-  void Home() { ASSERT_TRUE(axis().Home({}).ok()); }
-  // Starts a move across a third of the range and lets it run a little.
-  void StartLongMove() {
+  void Home() {
+    const auto homed = axis().Home({});
+    ASSERT_TRUE(homed.ok()) << homed.error().message;
+  }
+  double Middle() { return (axis().limits().min_position + axis().limits().max_position) / 2; }
+  double Shaft() {
+    if (subject_.shaft) return subject_.shaft();
+    if (!subject_.axis) subject_.axis = subject_.open_again();
+    return axis().State()->position;
+  }
+  // Starts a move across a third of the range and lets it run a little. How long the
+  // whole move should take goes to `expected`.
+  void StartLongMove(Seconds* expected = nullptr) {
     const AxisLimits& limits = axis().limits();
     const double third = (limits.max_position - limits.min_position) / 3;
-    const double from = subject_.shaft();
-    ASSERT_TRUE(axis().StartMove(from < subject_.Middle() ? from + third : from - third).ok());
+    const double from = Shaft();
+    const auto started = axis().StartMove(from < Middle() ? from + third : from - third);
+    ASSERT_TRUE(started.ok());
+    if (expected != nullptr) *expected = *started;
     subject_.clock->SleepFor(Seconds(0.1));
   }
   // Whether the shaft turns within the next second.
   bool Turns() {
-    const double before = subject_.shaft();
+    const double before = Shaft();
     subject_.clock->SleepFor(Seconds(1));
-    return subject_.shaft() != before;
+    return std::abs(Shaft() - before) > subject_.noise;
   }
 
   AxisSubject subject_;
 };
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(AxisConformance);
+
+// Promise 2. Example failure is an axis that moves by the zero it happened to be switched on with.
+// First, since a real one that was homed stays so.
+TEST_P(AxisConformance, RefusesToMoveBeforeItIsHomed) {
+  if (axis().State()->homed) GTEST_SKIP() << "it is homed; switch it off and on";
+  const auto started = axis().StartMove(Middle());
+  ASSERT_FALSE(started.ok());
+  EXPECT_EQ(started.error().code, ErrorCode::kRefused);
+  EXPECT_FALSE(Turns());
+}
 
 // Promise 1. Example failure is an axis that reports its set-point, or one that calls a move done
 // when the controller has accepted it.
@@ -67,7 +96,7 @@ TEST_P(AxisConformance, EndsWithinItsTolerance) {
     ASSERT_TRUE(state.ok());
     EXPECT_FALSE(state->moving);
     EXPECT_NEAR(state->position, target, limits.position_tolerance);
-    EXPECT_NEAR(subject_.shaft(), target, limits.position_tolerance);
+    EXPECT_NEAR(Shaft(), target, limits.position_tolerance);
   }
 }
 
@@ -84,14 +113,6 @@ TEST_P(AxisConformance, RefusesTargetsOutsideItsLimitsAndNaN) {
     EXPECT_NE(started.error().message.find(axis().name()), std::string::npos);
     EXPECT_FALSE(Turns());
   }
-}
-
-// Promise 2. Example failure is an axis that moves by the zero it happened to be switched on with.
-TEST_P(AxisConformance, RefusesToMoveBeforeItIsHomed) {
-  const auto started = axis().StartMove(subject_.Middle());
-  ASSERT_FALSE(started.ok());
-  EXPECT_EQ(started.error().code, ErrorCode::kRefused);
-  EXPECT_FALSE(Turns());
 }
 
 // Promise 3. Example failure is a Stop() that waits for the lock which a move holds.
@@ -122,12 +143,13 @@ TEST_P(AxisConformance, StopsInAnEmergency) {
 // Promise 4. Example failure is a driver that reopens its port, and moves an axis that has lost
 // its reference.
 TEST_P(AxisConformance, StaysDisconnected) {
+  if (!subject_.pull_plug) GTEST_SKIP() << "nobody pulls its plug";
   Home();
   subject_.pull_plug();
   for (int i = 0; i < 2; ++i) {
     EXPECT_EQ(axis().State().error().code, ErrorCode::kDisconnected);
     EXPECT_EQ(axis().Home({}).error().code, ErrorCode::kDisconnected);
-    EXPECT_EQ(axis().StartMove(subject_.Middle()).error().code, ErrorCode::kDisconnected);
+    EXPECT_EQ(axis().StartMove(Middle()).error().code, ErrorCode::kDisconnected);
     EXPECT_EQ(axis().WaitUntilStill(Seconds(1), {}).error().code, ErrorCode::kDisconnected);
     EXPECT_EQ(axis().Stop().error().code, ErrorCode::kDisconnected);
     EXPECT_EQ(axis().EmergencyStop().error().code, ErrorCode::kDisconnected);
@@ -155,14 +177,15 @@ TEST_P(AxisConformance, TimeoutStopsTheAxis) {
 // Errors: kCancelled. Example failure is a Ctrl-C that waits for the end of the move.
 TEST_P(AxisConformance, CancelStopsTheAxis) {
   Home();
-  StartLongMove();
+  Seconds expected{0};
+  StartLongMove(&expected);
   std::stop_source stop;
   stop.request_stop();
   const Seconds before = subject_.clock->Now();
   const auto still = axis().WaitUntilStill(Seconds(600), stop.get_token());
   ASSERT_FALSE(still.ok());
   EXPECT_EQ(still.error().code, ErrorCode::kCancelled);
-  EXPECT_LT((subject_.clock->Now() - before).count(), 0.5);
+  EXPECT_LT(subject_.clock->Now() - before, expected / 4);
   EXPECT_FALSE(Turns());
 }
 
@@ -171,6 +194,7 @@ TEST_P(AxisConformance, CancelledHomingLeavesItNotHomed) {
   std::stop_source stop;
   stop.request_stop();
   const auto homed = axis().Home(stop.get_token());
+  if (homed.ok() && subject_.open_again) GTEST_SKIP() << "it stood at its mark";
   ASSERT_FALSE(homed.ok());
   EXPECT_EQ(homed.error().code, ErrorCode::kCancelled);
   EXPECT_FALSE(axis().State()->homed);
