@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/sim_config.h"
 
+#include <algorithm>
+#include <bit>
+
 #include "core/units.h"
 
 namespace gonio {
@@ -9,6 +12,50 @@ namespace {
 Rgb ReadRgb(const ConfigNode& node, const char* key) {
   const auto numbers = node.Numbers(key, kChannels, Range::Positive());
   return {numbers[0], numbers[1], numbers[2]};
+}
+
+template <std::size_t kSize>
+std::array<double, kSize> NumbersOr0(const ConfigNode& node, const char* key, Range range) {
+  std::array<double, kSize> values{};
+  if (!node.Has(key)) return values;
+  const std::vector<double> read = node.Numbers(key, kSize, range);
+  std::copy(read.begin(), read.end(), values.begin());
+  return values;
+}
+
+void ReadLampAndArms(const ConfigNode& node, SimConfig& sim) {
+  sim.lamp_flicker = node.NumberOr("lamp_flicker", 0, Range::Between(0, 0.2));
+  sim.lamp_fails_at = node.NumberOr("lamp_fails_at_s", 0, Range::NonNegative());
+  sim.axis_offset = NumbersOr0<4>(node, "axis_offset_deg", Range::Between(-5, 5));
+  for (double& angle : sim.axis_offset) angle = RadFromDeg(angle);
+}
+
+void ReadImage(const ConfigNode& node, SimConfig& sim) {
+  sim.light_offset = NumbersOr0<3>(node, "light_offset_m", Range::Between(-1, 1));
+  sim.sample_radius = node.NumberOr("sample_radius_m", 0, Range::NonNegative());
+  sim.vignetting = node.NumberOr("vignetting", 0, Range::Between(0, 1));
+  sim.defocus = node.NumberOr("defocus_px", 0, Range::Between(0, 20));
+  sim.veiling_glare = node.NumberOr("veiling_glare", 0, Range::Between(0, 1));
+  sim.every_px = node.IntegerOr("every_px", 16, 1, 64);
+  if (!std::has_single_bit(static_cast<unsigned>(sim.every_px))) {
+    node.Fail("every_px", "must be a power of two");
+  }
+}
+
+void ReadSensor(const ConfigNode& node, SimConfig& sim) {
+  sim.sensor_seed = static_cast<std::uint64_t>(node.IntegerOr("sensor_seed", 1, 0));
+  sim.prnu = node.NumberOr("prnu", 0, Range::Between(0, 0.3));
+  sim.dsnu = node.NumberOr("dsnu_e", 0, Range::NonNegative());
+  sim.dark_spread = node.NumberOr("dark_spread", 0, Range::Between(0, 1));
+  sim.hot_pixels = node.NumberOr("hot_pixels", 0, Range::Between(0, 1));
+  sim.hot_dark_current = node.NumberOr("hot_dark_current_e_s", 0, Range::NonNegative());
+  sim.dark_doubling = node.NumberOr("dark_doubling_c", 0, Range::NonNegative());
+  sim.reference_c = node.NumberOr("reference_c", 20, Range::Between(-100, 100));
+  if (node.Has("temperature_c")) {
+    sim.temperature_c = node.Number("temperature_c", Range::Between(-100, 100));
+  }
+  // Steeper, a pixel would never reach full scale.
+  sim.nonlinearity = node.NumberOr("nonlinearity", 0, Range::Between(-0.2, 0.2));
 }
 
 }  // namespace
@@ -33,6 +80,9 @@ SimConfig ReadSim(const ConfigNode& root) {
   sim.black_level = node.IntegerOr("black_level_counts", 0, 0, 16384);
   sim.responsivity = ReadRgb(node.Has("responsivity") ? node : believed, "responsivity");
   sim.electrons_per_count = number("electrons_per_count", Range::Positive());
+  ReadLampAndArms(node, sim);
+  ReadImage(node, sim);
+  ReadSensor(node, sim);
   return sim;
 }
 

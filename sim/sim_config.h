@@ -3,10 +3,17 @@
 
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <optional>
+
 #include "brdf/brdf.h"
 #include "core/config.h"
 
 namespace gonio {
+
+// Light azimuth, light elevation, camera azimuth, camera elevation [rad].
+using SimArms = std::array<double, 4>;
 
 // Every imperfection is one number, and zero (or false) switches it off: with all of them off the
 // rig is exact to the camera's rounding.
@@ -17,7 +24,7 @@ struct SimConfig {
   double monitor_noise = 0;         // relative standard deviation of one reading
   double multiplicative_noise = 0;  // relative standard deviation of a channel's gain per frame
   double read_noise = 0;            // electrons rms, per pixel and frame
-  double dark_current = 0;          // electrons per second per pixel
+  double dark_current = 0;          // electrons per second per pixel, at reference_c
   bool shot_noise = false;          // electrons arrive by Poisson's law
   int black_level = 0;              // counts; too low and read noise is clipped at zero
   // Electrons a pixel holds; more are lost. 0: deeper than full scale. Where it is shallower,
@@ -25,9 +32,37 @@ struct SimConfig {
   // full_scale_counts can tell it.
   double full_well = 0;
 
+  // The lamp.
+  double lamp_flicker = 0;   // relative standard deviation of its power from frame to frame
+  double lamp_fails_at = 0;  // s on the session's clock; dark from then on. 0: never
+
+  // The arms' true angles minus their encoders'.
+  SimArms axis_offset{};
+
+  // The image, where the rig's imaging gives each pixel its own directions (sim_optics.h).
+  // m, of the light at a finite distance: right and down as in an image, outwards along its arm
+  std::array<double, 3> light_offset{};
+  double sample_radius = 0;  // m; what lies beyond reflects nothing. 0: endless
+  double vignetting = 0;     // times 1 - cos^4 of the field angle is lost; 1: the natural law
+  double defocus = 0;        // px, standard deviation of the blur
+  double veiling_glare = 0;  // of the frame's mean signal, added to every pixel
+  int every_px = 16;         // f_r is interpolated over at most so many pixels; a power of two
+
+  // The sensor (sim_sensor.h).
+  std::uint64_t sensor_seed = 1;  // which specimen: its fixed pattern. The same in every session
+  double prnu = 0;                // relative standard deviation of the pixels' responsivities
+  double dsnu = 0;                // electrons, standard deviation of the pixels' offsets
+  double dark_spread = 0;         // relative standard deviation of the pixels' dark currents
+  double hot_pixels = 0;          // fraction of the pixels
+  double hot_dark_current = 0;    // electrons per second more, of a hot pixel, at reference_c
+  double dark_doubling = 0;       // degrees C that double the dark current; 0: temperature is alike
+  double reference_c = 20;        // degrees C
+  std::optional<double> temperature_c = std::nullopt;  // of a SimCamera's sensor; else unknown
+  double nonlinearity = 0;  // at full scale this fraction of the counts is missing; quadratic
+
   // No imperfections, but what the rig's `radiometry` should agree with.
   Rgb responsivity = Rgb::Ones();  // electrons per pixel and second at f_r cos(theta_i) = 1/sr
-  double electrons_per_count = 1;
+  double electrons_per_count = 1;  // at a gain of 0 dB
 };
 
 // Reads the `simulation` mapping of a rig file. Noises, responsivity and electrons_per_count that

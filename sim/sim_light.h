@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -15,9 +16,18 @@ namespace gonio {
 // The lamp itself, which outlives the SimLight that dims it.
 class SimLamp {
  public:
+  // What goes wrong beside drift.
+  struct Faults {
+    double flicker = 0;      // relative standard deviation; a new value every millisecond
+    std::uint64_t seed = 0;  // of the flicker
+    Seconds fails_at{0};     // dark from then on, whatever the level; 0: never
+  };
+
   // `drift_per_hour`: relative slope of the power at time zero. The drift is a sine of eight hours,
   // so that it stays bounded through the longest session (1.3 times this at most).
-  explicit SimLamp(double drift_per_hour) : drift_per_hour_(drift_per_hour) {}
+  explicit SimLamp(double drift_per_hour) : SimLamp(drift_per_hour, Faults{}) {}
+  SimLamp(double drift_per_hour, const Faults& faults)
+      : drift_per_hour_(drift_per_hour), faults_(faults) {}
 
   void set_level(double level) { level_ = level; }
   double level() const { return level_; }
@@ -26,6 +36,7 @@ class SimLamp {
 
  private:
   double drift_per_hour_;
+  Faults faults_;
   double level_ = 0;
 };
 

@@ -9,14 +9,21 @@ namespace {
 constexpr const char* kNames[4] = {"light_azimuth", "light_elevation", "camera_azimuth",
                                    "camera_elevation"};
 // Streams of the generator; their numbers are part of what makes a seed repeatable.
-enum Stream { kStart = 0, kAxis = 10, kCameraStream = 20, kMonitorStream = 30 };
+enum Stream { kStart = 0, kAxis = 10, kCameraStream = 20, kMonitorStream = 30, kLampStream = 40 };
 
 }  // namespace
+
+std::shared_ptr<SimLamp> MakeSimLamp(const SimConfig& truth, std::uint64_t seed) {
+  return std::make_shared<SimLamp>(truth.light_drift_per_hour,
+                                   SimLamp::Faults{.flicker = truth.lamp_flicker,
+                                                   .seed = Random::Hash(seed, kLampStream),
+                                                   .fails_at = Seconds(truth.lamp_fails_at)});
+}
 
 SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const Brdf& sample,
                           Clock& clock, std::uint64_t seed) {
   SimDevices devices;
-  devices.lamp = std::make_shared<SimLamp>(truth.light_drift_per_hour);
+  devices.lamp = MakeSimLamp(truth, seed);
   Random start(seed, kStart);
   for (int i = 0; i < 4; ++i) {
     const AxisLimits& limits = setup.axes[i];
@@ -33,10 +40,10 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
     devices.axes[i] = std::make_unique<SimAxis>(kNames[i], limits, options, devices.motors[i],
                                                 clock, Random(seed, kAxis + i));
   }
-  devices.camera =
-      std::make_unique<SimCamera>("camera", setup.camera, truth, sample,
-                                  std::make_unique<MotorScene>(devices.motors, devices.lamp), clock,
-                                  Random(seed, kCameraStream));
+  devices.camera = std::make_unique<SimCamera>(
+      "camera", setup.camera, truth, sample,
+      std::make_unique<MotorScene>(devices.motors, devices.lamp, truth.axis_offset), clock,
+      Random(seed, kCameraStream), setup.imaging, setup.gain_db);
   devices.light = std::make_unique<SimLight>("light", devices.lamp);
   devices.monitor = std::make_unique<SimMonitor>("monitor", devices.lamp, truth.monitor_noise,
                                                  clock, Random(seed, kMonitorStream));

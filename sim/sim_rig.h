@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "brdf/imaging.h"
 #include "drivers/axis.h"
 #include "drivers/camera.h"
 #include "drivers/light.h"
@@ -21,6 +22,8 @@ struct SimSetup {
   std::array<AxisLimits, 4> axes;
   Seconds home_limit{120};
   CameraInfo camera;
+  Imaging imaging{};   // as built; the simulation's own errors come on top
+  double gain_db = 0;  // of the camera
 };
 
 // The devices behind their interfaces, and the machine behind the devices for those who want the
@@ -34,6 +37,9 @@ struct SimDevices {
   SimMotors motors;
   std::shared_ptr<SimLamp> lamp;
 };
+
+// The lamp that `truth` describes; `seed` is that of the rig.
+std::shared_ptr<SimLamp> MakeSimLamp(const SimConfig& truth, std::uint64_t seed);
 
 // Opens a simulated rig that looks at `sample`. Axes start not homed, somewhere in their range; the
 // light is off. The same seed and the same calls give the same counts. `sample` and `clock` must

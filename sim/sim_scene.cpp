@@ -6,13 +6,17 @@
 
 namespace gonio {
 
-MotorScene::MotorScene(SimMotors motors, std::shared_ptr<const SimLamp> lamp)
-    : motors_(std::move(motors)), lamp_(std::move(lamp)) {}
+SimArms operator+(const SimArms& a, const SimArms& b) {
+  return {a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]};
+}
+
+MotorScene::MotorScene(SimMotors motors, std::shared_ptr<const SimLamp> lamp, const SimArms& offset)
+    : motors_(std::move(motors)), lamp_(std::move(lamp)), offset_(offset) {}
 
 SimArms MotorScene::ArmsAt(Seconds time) const {
   SimArms arms{};
   for (std::size_t i = 0; i < arms.size(); ++i) arms[i] = motors_[i]->PositionAt(time);
-  return arms;
+  return arms + offset_;
 }
 
 bool MotorScene::MovingBetween(Seconds begin, Seconds end) const {
@@ -29,6 +33,7 @@ Result<void> ReadbackScene::Look() {
     }
     arms_[i] = state->position;
   }
+  arms_ = arms_ + offset_;
   const Result<double> level = light_->Level();
   if (!level) return level.error();
   power_ = *level;

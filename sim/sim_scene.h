@@ -10,29 +10,34 @@
 #include "core/error.h"
 #include "drivers/axis.h"
 #include "drivers/light.h"
+#include "sim/sim_config.h"
 #include "sim/sim_light.h"
 #include "sim/sim_motor.h"
 
 namespace gonio {
 
-// Light azimuth, light elevation, camera azimuth, camera elevation: motors, or their angles [rad].
+// Light azimuth, light elevation, camera azimuth, camera elevation.
 using SimMotors = std::array<std::shared_ptr<SimMotor>, 4>;
-using SimArms = std::array<double, 4>;
 
 class SimScene {
  public:
   virtual ~SimScene() = default;
   // When the shutter opens. An error: there is nothing to be seen, and the camera reports it.
   virtual Result<void> Look() = 0;
+  // Where the arms truly point.
   virtual SimArms ArmsAt(Seconds time) const = 0;
   virtual bool MovingBetween(Seconds begin, Seconds end) const = 0;
   virtual double PowerAt(Seconds time) const = 0;  // of the lamp, relative to full power
 };
 
-// The truth about a simulated machine, whatever its encoders say.
+// The sum of angles, one by one.
+SimArms operator+(const SimArms& a, const SimArms& b);
+
+// The truth about a simulated machine, whatever its encoders say. `offset`: of the arms from where
+// their motors stand (SimConfig::axis_offset).
 class MotorScene final : public SimScene {
  public:
-  MotorScene(SimMotors motors, std::shared_ptr<const SimLamp> lamp);
+  MotorScene(SimMotors motors, std::shared_ptr<const SimLamp> lamp, const SimArms& offset = {});
   Result<void> Look() override { return {}; }
   SimArms ArmsAt(Seconds time) const override;
   bool MovingBetween(Seconds begin, Seconds end) const override;
@@ -41,13 +46,16 @@ class MotorScene final : public SimScene {
  private:
   const SimMotors motors_;
   const std::shared_ptr<const SimLamp> lamp_;
+  const SimArms offset_;
 };
 
 // Real axes and a real light, as they are read back when the shutter opens: a simulated camera on a
 // machine that has no camera yet. The devices outlive it; all calls on them are made by Look().
+// `offset`: of the arms from what is read.
 class ReadbackScene final : public SimScene {
  public:
-  ReadbackScene(const std::array<Axis*, 4>& axes, Light* light) : axes_(axes), light_(light) {}
+  ReadbackScene(const std::array<Axis*, 4>& axes, Light* light, const SimArms& offset = {})
+      : axes_(axes), light_(light), offset_(offset) {}
   // kProtocol: an axis moves.
   Result<void> Look() override;
   SimArms ArmsAt(Seconds) const override { return arms_; }
@@ -57,6 +65,7 @@ class ReadbackScene final : public SimScene {
  private:
   const std::array<Axis*, 4> axes_;
   Light* const light_;
+  const SimArms offset_;
   SimArms arms_{};
   double power_ = 0;
 };

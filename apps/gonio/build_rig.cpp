@@ -61,7 +61,7 @@ void OpenLightAndMonitor(const RigFile& file, std::uint64_t seed, OpenedRig& rig
   const LightDevice& light = file.config.light_device;
   const MonitorDevice& monitor = file.config.monitor_device;
   if (light.driver == LightDevice::Driver::kSimulated) {
-    auto lamp = std::make_shared<SimLamp>(file.simulation.light_drift_per_hour);
+    auto lamp = MakeSimLamp(file.simulation, seed);
     rig.devices.light = std::make_unique<SimLight>("light", lamp);
     rig.devices.monitor = std::make_unique<SimMonitor>(
         "monitor", lamp, file.simulation.monitor_noise, *rig.clock, Random(seed, kMonitorStream));
@@ -95,10 +95,10 @@ OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
   OpenLightAndMonitor(file, seed, rig);
   std::array<Axis*, kAxes> axes{};
   for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
-  rig.devices.camera =
-      std::make_unique<SimCamera>("camera", file.config.camera, file.simulation, sample,
-                                  std::make_unique<ReadbackScene>(axes, rig.devices.light.get()),
-                                  *rig.clock, Random(seed, kCameraStream));
+  rig.devices.camera = std::make_unique<SimCamera>(
+      "camera", file.config.camera, file.simulation, sample,
+      std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
+      *rig.clock, Random(seed, kCameraStream));
   return rig;
 }
 

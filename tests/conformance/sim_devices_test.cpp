@@ -36,14 +36,14 @@ AxisSubject ImperfectAxis() {
   return SimAxisSubject({.encoder_resolution = 3.5e-5, .repeatability = 1e-4, .reference = -3});
 }
 
-CameraSubject NoisyCamera() {
-  SimConfig truth;
+CameraSubject SimCameraSubject(SimConfig truth, PixelLayout layout, const Imaging& imaging) {
   truth.shot_noise = true;
   truth.read_noise = 8;
   truth.multiplicative_noise = 0.01;
   truth.responsivity = Rgb::Constant(1e5);
   const CameraInfo info = {.width = 5,
                            .height = 3,
+                           .layout = layout,
                            .min_exposure = Seconds(20e-6),
                            .max_exposure = Seconds(10),
                            .readout = Seconds(0.03)};
@@ -55,8 +55,18 @@ CameraSubject NoisyCamera() {
   for (auto& motor : motors) motor = std::make_shared<SimMotor>(0.8, 1, 1, *subject.clock);
   subject.camera = std::make_unique<SimCamera>("camera", info, truth, kGrey,
                                                std::make_unique<MotorScene>(motors, lamp),
-                                               *subject.clock, Random(1, 0));
+                                               *subject.clock, Random(1, 0), imaging);
   return subject;
+}
+
+CameraSubject NoisyCamera() { return SimCameraSubject({}, PixelLayout::kRgb, {}); }
+CameraSubject ImagingCamera() {
+  SimConfig truth;
+  truth.prnu = 0.01;
+  truth.defocus = 1;
+  return SimCameraSubject(
+      truth, PixelLayout::kBayerGr,
+      {.focal_length = 100, .camera_distance = 0.5, .light_distance = 0.5, .shape = {}});
 }
 
 LightSubject DriftingLight() {
@@ -83,6 +93,7 @@ MonitorSubject NoisyMonitor() {
 INSTANTIATE_TEST_SUITE_P(SimIdeal, AxisConformance, testing::Values(IdealAxis));
 INSTANTIATE_TEST_SUITE_P(SimImperfect, AxisConformance, testing::Values(ImperfectAxis));
 INSTANTIATE_TEST_SUITE_P(Sim, CameraConformance, testing::Values(NoisyCamera));
+INSTANTIATE_TEST_SUITE_P(SimImaging, CameraConformance, testing::Values(ImagingCamera));
 INSTANTIATE_TEST_SUITE_P(Sim, LightConformance, testing::Values(DriftingLight));
 INSTANTIATE_TEST_SUITE_P(Sim, MonitorConformance, testing::Values(NoisyMonitor));
 

@@ -48,6 +48,49 @@ TEST(ReadSim, LetsTheTruthDifferFromTheBelief) {
   EXPECT_DOUBLE_EQ(sim.encoder_resolution, RadFromDeg(0.1));
 }
 
+TEST(ReadSim, ReadsLampArmsImageAndSensor) {
+  const SimConfig none = Read("simulation: {}\n");
+  EXPECT_EQ(none.prnu, 0);
+  EXPECT_EQ(none.every_px, 16);
+  EXPECT_EQ(none.temperature_c, std::nullopt);
+  EXPECT_EQ(none.axis_offset, SimArms{});
+  const SimConfig sim = Read(
+      "simulation: {lamp_flicker: 0.01, lamp_fails_at_s: 50, axis_offset_deg: [1, -2, 0, 0.5],\n"
+      "  light_offset_m: [0.001, 0, -0.002], sample_radius_m: 0.02, vignetting: 1,\n"
+      "  defocus_px: 1.5, veiling_glare: 0.02, every_px: 8, sensor_seed: 7, prnu: 0.01, dsnu_e: "
+      "2,\n"
+      "  dark_spread: 0.1, hot_pixels: 0.001, hot_dark_current_e_s: 900, dark_doubling_c: 7,\n"
+      "  reference_c: 25, temperature_c: 31, nonlinearity: 0.01}\n");
+  EXPECT_EQ(sim.lamp_flicker, 0.01);
+  EXPECT_EQ(sim.lamp_fails_at, 50);
+  EXPECT_DOUBLE_EQ(sim.axis_offset[1], RadFromDeg(-2));
+  EXPECT_EQ(sim.light_offset[2], -0.002);
+  EXPECT_EQ(sim.sample_radius, 0.02);
+  EXPECT_EQ(sim.vignetting, 1);
+  EXPECT_EQ(sim.defocus, 1.5);
+  EXPECT_EQ(sim.veiling_glare, 0.02);
+  EXPECT_EQ(sim.every_px, 8);
+  EXPECT_EQ(sim.sensor_seed, 7);
+  EXPECT_EQ(sim.prnu, 0.01);
+  EXPECT_EQ(sim.dsnu, 2);
+  EXPECT_EQ(sim.dark_spread, 0.1);
+  EXPECT_EQ(sim.hot_pixels, 0.001);
+  EXPECT_EQ(sim.hot_dark_current, 900);
+  EXPECT_EQ(sim.dark_doubling, 7);
+  EXPECT_EQ(sim.reference_c, 25);
+  EXPECT_EQ(sim.temperature_c, 31);
+  EXPECT_EQ(sim.nonlinearity, 0.01);
+}
+
+TEST(ReadSim, RefusesSquaresThatCannotBeHalved) {
+  try {
+    Read("simulation: {every_px: 12}\n");
+    FAIL() << "no complaint";
+  } catch (const ConfigError& e) {
+    EXPECT_STREQ(e.what(), "rig.yaml:9: simulation.every_px: must be a power of two");
+  }
+}
+
 TEST(ReadSim, RefusesAFileWithoutSimulation) {
   try {
     Read("");

@@ -24,6 +24,30 @@ TEST(SimLamp, WithoutDriftIsConstant) {
   EXPECT_EQ(lamp.PowerAt(Seconds(12345)), 1);
 }
 
+TEST(SimLamp, FlickersFromFrameToFrame) {
+  SimLamp lamp(0, {.flicker = 0.01, .seed = 1});
+  lamp.set_level(0.5);
+  double sum = 0;
+  double squares = 0;
+  constexpr int kFrames = 4000;
+  for (int i = 0; i < kFrames; ++i) {
+    const double relative = lamp.PowerAt(Seconds(0.05 * i)) / 0.5 - 1;
+    sum += relative;
+    squares += relative * relative;
+  }
+  EXPECT_NEAR(sum / kFrames, 0, 0.001);
+  EXPECT_NEAR(std::sqrt(squares / kFrames), 0.01, 0.0006);
+  EXPECT_EQ(lamp.PowerAt(Seconds(7)), lamp.PowerAt(Seconds(7)));
+}
+
+TEST(SimLamp, Fails) {
+  SimLamp lamp(0, {.fails_at = Seconds(60)});
+  lamp.set_level(1);
+  EXPECT_EQ(lamp.PowerAt(Seconds(59)), 1);
+  EXPECT_EQ(lamp.PowerAt(Seconds(60)), 0);
+  EXPECT_EQ(lamp.level(), 1);
+}
+
 TEST(SimMonitor, ReadsThePowerWithItsNoise) {
   ManualClock clock;
   auto lamp = std::make_shared<SimLamp>(0);
