@@ -45,6 +45,8 @@ const std::vector<Fence> kFences = {
     {"libserialport.h", {"drivers"}, true},
     {"libusb.h", {"drivers"}, true},
     {"umockdev.h", {"sim"}, true},
+    {"arv.h", {"drivers", "sim"}, true},
+    {"glib", {"drivers", "sim"}, true},
     {"openssl/", {"acquisition"}, true},
     {"ceres/", {"fitting"}, true},
     {"opencv2/", {"brdf"}, true},
