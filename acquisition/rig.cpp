@@ -172,7 +172,11 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
       monitor.Fail("device", "a simulated monitor sees a simulated light only, and a real a real");
     }
   }
-  rig.camera = ReadCamera(root.Map("camera"));
+  const ConfigNode camera = root.Map("camera");
+  rig.camera = ReadCamera(camera);
+  if (!rig.simulated && camera.Has("device")) {
+    rig.camera_device = ReadCameraDevice(camera.Map("device"));
+  }
   ReadImaging(root, rig);
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));

@@ -16,6 +16,7 @@
 #include "drivers/axis.h"
 #include "drivers/axis_device.h"
 #include "drivers/camera.h"
+#include "drivers/camera_device.h"
 #include "drivers/light.h"
 #include "drivers/light_device.h"
 
@@ -74,6 +75,7 @@ struct RigConfig {
   RadiometryConfig radiometry;
   LightDevice light_device;
   MonitorDevice monitor_device;
+  CameraDevice camera_device;
   double light_level = 1;  // 0 .. 1
   // Relative change of the light from before to after an exposure that is still steady; empty: not
   // looked at.

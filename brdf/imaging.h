@@ -36,7 +36,7 @@ struct Imaging {
   double camera_distance = std::numeric_limits<double>::infinity();  // m
   double light_distance = std::numeric_limits<double>::infinity();   // m
   double patch_radius = 0;  // m; of the disc about the origin whose pixels are used; 0: all
-  SampleShape shape;
+  SampleShape shape{};
 
   bool resolves_directions() const { return focal_length > 0; }
 };

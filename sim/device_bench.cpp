@@ -80,6 +80,10 @@ DeviceBench::DeviceBench(const BenchDevices& devices, std::shared_ptr<Clock> clo
 
 DeviceBench::~DeviceBench() = default;
 
+double DeviceBench::LampPower() const {
+  return instruments_->Power() / instruments_->power_at_full;
+}
+
 void DeviceBench::PlugInstruments(const BenchDevices& devices) {
   Instruments& it = *instruments_;
   if (devices.light.driver == LightDevice::Driver::kDc2200) {

@@ -38,6 +38,8 @@ class DeviceBench {
 
   // Of the axes, in order: where the mechanism is [rad].
   double Angle(std::size_t axis) const { return wires_.Angle(axis); }
+  // The light, relative to level 1. Any thread.
+  double LampPower() const;
 
  private:
   struct Instruments;

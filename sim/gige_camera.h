@@ -67,7 +67,8 @@ using GigeExpose =
 //   arv-tool-0.8 -a 127.0.0.1 control ExposureTime=5000 Gain
 //
 // It is Aravis' fake camera with another description, so: it never sends a lost packet again; of
-// two triggers during one exposure it serves one; registers answer only between exposures.
+// two triggers during one exposure it serves one; registers answer only between exposures; and it
+// answers to searches (broadcasts) that reach this machine on any interface.
 //
 // Its methods are for one thread; the camera has its own.
 class GigeCamera {
@@ -88,7 +89,7 @@ class GigeCamera {
   void Disappear();
   Result<void> Return();
 
-  int exposures() const;  // so far
+  int exposures() const;  // that have ended so far
 
  private:
   class Impl;

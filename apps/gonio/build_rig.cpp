@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/gonio/build_rig.h"
 
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "acquisition/kinematics.h"
@@ -27,7 +29,8 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
   rig.clock = std::make_unique<ManualClock>();
   const SimSetup setup{.axes = file.config.axes,
                        .home_limit = file.config.motion.home_limit,
-                       .camera = file.config.camera};
+                       .camera = file.config.camera,
+                       .imaging = file.config.imaging};
   SimDevices sim = MakeSimDevices(file.simulation, setup, sample, *rig.clock, seed);
   rig.devices = {.axes = std::move(sim.axes),
                  .camera = std::move(sim.camera),
@@ -75,6 +78,37 @@ void OpenLightAndMonitor(const RigFile& file, std::uint64_t seed, OpenedRig& rig
   rig.devices.monitor = std::move(real_monitor).value();
 }
 
+// What the session reckons with must be what the camera is.
+void CheckCamera(const RigConfig& config, const CameraInfo& is) {
+  const CameraInfo& said = config.camera;
+  const auto refuse = [&](const std::string& what) {
+    throw ConfigError(config.camera_device.where + ": " + what);
+  };
+  if (said.layout != is.layout) {
+    refuse(fmt::format("its pixels are {}, camera.layout says {}", ToString(is.layout),
+                       ToString(said.layout)));
+  }
+  if (said.full_scale > is.full_scale) {
+    refuse(fmt::format("its counts end at {}, camera.full_scale_counts says {}", is.full_scale,
+                       said.full_scale));
+  }
+  if (said.min_exposure < is.min_exposure || said.max_exposure > is.max_exposure) {
+    refuse(
+        fmt::format("it exposes {:.6g} to {:.6g} s, camera.min_exposure_s and max_exposure_s say "
+                    "{:.6g} to {:.6g}",
+                    is.min_exposure.count(), is.max_exposure.count(), said.min_exposure.count(),
+                    said.max_exposure.count()));
+  }
+}
+
+void OpenRealCamera(const RigConfig& config, OpenedRig& rig) {
+  auto camera = OpenCamera(config.camera_device, "camera", config.camera.width,
+                           config.camera.height, *rig.clock);
+  if (!camera) Refuse(config.camera_device.where, camera.error(), *rig.wires);
+  CheckCamera(config, (*camera)->info());
+  rig.devices.camera = std::move(camera).value();
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
@@ -93,6 +127,10 @@ OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
   rig.wires = std::make_shared<LinkLog>(rig.clock.get());
   OpenAxes(file.config, rig);
   OpenLightAndMonitor(file, seed, rig);
+  if (file.config.camera_device.driver != CameraDevice::Driver::kSimulated) {
+    OpenRealCamera(file.config, rig);
+    return rig;
+  }
   std::array<Axis*, kAxes> axes{};
   for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
   rig.devices.camera = std::make_unique<SimCamera>(

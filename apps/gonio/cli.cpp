@@ -207,6 +207,9 @@ Action SetUpSimDevices(CLI::App& app) {
   app.add_option("--speed", o->speed, "How many times as fast as real ones the doubles move")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option(
+      "--material", o->material,
+      "What a double of the rig's camera sees: MERL .binary, RGL .bsdf or material .yaml");
   app.add_option("command", o->command,
                  "-- COMMAND ...: started so that it sees them, and nothing else; without it, your "
                  "shell");

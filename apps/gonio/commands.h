@@ -125,6 +125,7 @@ int DevicesCommand(const DevicesOptions& options);
 struct SimDevicesOptions {
   std::string rig = "bench-wire.yaml";
   double speed = 1;                  // of the doubles' moves, > 0
+  std::string material;              // that a double of a camera sees; empty: kDefaultMaterial
   std::vector<std::string> command;  // that sees them; empty: a shell
 };
 // What the command ended with.

@@ -15,8 +15,10 @@
 #include <stdexcept>
 
 #include "apps/gonio/build_rig.h"
+#include "apps/gonio/camera_double.h"
 #include "apps/gonio/commands.h"
 #include "apps/gonio/locate.h"
+#include "apps/gonio/open_any.h"
 #include "core/error.h"
 #include "sim/device_bench.h"
 
@@ -78,6 +80,12 @@ int SimDevicesCommand(const SimDevicesOptions& options) {
   const RigFile file = LoadRig(LocateConfig(options.rig));
   const BenchDevices devices = DevicesOf(options.rig, file.config);
   const DeviceBench bench(devices, std::make_shared<SystemClock>(options.speed));
+  std::unique_ptr<Brdf> sample;
+  std::unique_ptr<GigeCamera> camera;
+  if (file.config.camera_device.driver != CameraDevice::Driver::kSimulated) {
+    sample = OpenAny(LocateConfig(options.material.empty() ? kDefaultMaterial : options.material));
+    camera = ServeCamera(file, bench, *sample, options.speed);
+  }
   return RunOn(CommandOf(options));
 }
 

@@ -5,6 +5,7 @@
 
 #include "drivers/pixel_unpacking.h"
 #include "tests/genicam/gige_rig.h"
+#include "tests/genicam/own_network.h"
 
 namespace gonio {
 namespace {
@@ -91,6 +92,23 @@ TEST(GenicamCamera, DiscardsFramesAfterAChange) {
   EXPECT_EQ(rig.driver().counters().frames, 5);
   EXPECT_EQ(rig.driver().counters().discarded, 6);
   EXPECT_EQ(rig.device->exposures(), 11);
+}
+
+// Example failure is a driver that takes the first camera it finds.
+TEST(GenicamCamera, IsFoundByItsSerialNumberOnly) {
+  if (!in_own_network) GTEST_SKIP() << "a search would go out on the network";
+  GenicamSettings settings = DriverSettings();
+  settings.address = "";
+  settings.serial = "GP0001";
+  GigeRig rig(settings);
+  ASSERT_TRUE(rig.camera.ok()) << rig.camera.error().message;
+  EXPECT_TRUE(rig.driver().Capture(Seconds(0.001), {}).ok());
+  settings.serial = "GP0002";
+  const auto other = GenicamCamera::Open(settings, *rig.clock);
+  ASSERT_FALSE(other.ok());
+  EXPECT_EQ(other.error().code, ErrorCode::kRefused);
+  EXPECT_THAT(other.error().message,
+              AllOf(HasSubstr("no camera with serial number GP0002"), HasSubstr("GP0001")));
 }
 
 struct Refusal {

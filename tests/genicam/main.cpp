@@ -1,38 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// Gives the tests a network of their own, in which they may have the port of GigE Vision cameras.
-#include <fcntl.h>
 #include <gmock/gmock.h>
-#include <net/if.h>
-#include <sched.h>
-#include <sys/file.h>
-#include <sys/ioctl.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-namespace {
-
-// Only the loopback interface, which is down at first. Where that is not permitted, tests that
-// ctest runs at the same time take turns on the machine's own.
-void EnterOwnNetwork() {
-  if (unshare(CLONE_NEWNET) != 0 && unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) {
-    flock(open("/proc/self/exe", O_RDONLY | O_CLOEXEC), LOCK_EX);
-    return;
-  }
-  const int any = socket(AF_INET, SOCK_DGRAM, 0);
-  ifreq request{};
-  request.ifr_name[0] = 'l';
-  request.ifr_name[1] = 'o';
-  request.ifr_flags = IFF_UP | IFF_RUNNING | IFF_LOOPBACK;
-  if (any >= 0) {
-    ioctl(any, SIOCSIFFLAGS, &request);
-    close(any);
-  }
-}
-
-}  // namespace
+#include "tests/genicam/own_network.h"
 
 int main(int argc, char** argv) {
-  EnterOwnNetwork();
+  gonio::EnterOwnNetwork();
   testing::InitGoogleMock(&argc, argv);
   return RUN_ALL_TESTS();
 }

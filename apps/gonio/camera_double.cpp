@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "apps/gonio/camera_double.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/error.h"
+#include "sim/sim_imager.h"
+#include "sim/sim_scene.h"
+
+namespace gonio {
+namespace {
+
+// Of the machine's time, that an exposure of the double may take: its client takes a longer silence
+// for a loss.
+constexpr double kLongestSilence = 1.5;
+constexpr std::uint64_t kSeed = 1;
+constexpr std::uint64_t kCameraStream = 20;
+
+GigeCameraSettings SettingsOf(const RigFile& file, double speed) {
+  const CameraInfo& camera = file.config.camera;
+  const GenicamSettings& genicam = file.config.camera_device.genicam;
+  GigeCameraSettings settings;
+  settings.address = genicam.address;
+  // The lens looks at the middle of the sensor, and that is the middle of the region.
+  settings.sensor_width = 2 * genicam.offset_x + camera.width;
+  settings.sensor_height = 2 * genicam.offset_y + camera.height;
+  settings.min_exposure_us =
+      std::max(1, static_cast<int>(std::floor(1e6 * camera.min_exposure.count())));
+  settings.max_exposure_us = static_cast<int>(std::ceil(1e6 * camera.max_exposure.count()));
+  settings.temperature_c = file.simulation.temperature_c.value_or(settings.temperature_c);
+  settings.rate = std::max(speed, camera.max_exposure.count() / kLongestSilence);
+  return settings;
+}
+
+// What the double's sensor sees. Called by the camera's thread only.
+class Scene {
+ public:
+  Scene(const RigFile& file, const GigeCameraSettings& settings, const DeviceBench& bench,
+        const Brdf& sample)
+      : truth_(file.simulation),
+        bench_(bench),
+        sample_(sample),
+        imager_(file.simulation, file.config.imaging, settings.sensor_width, settings.sensor_height,
+                Random(kSeed, kCameraStream)) {}
+
+  void Expose(const GigeExposure& settings, std::vector<std::uint16_t>& counts) {
+    SimView view;
+    for (std::size_t i = 0; i < view.arms.size(); ++i) view.arms[i] = bench_.Angle(i);
+    view.arms = view.arms + truth_.axis_offset;
+    view.power = bench_.LampPower();
+    view.readout = {.exposure = settings.exposure,
+                    .gain_db = settings.gain_db,
+                    .black_level = settings.black_level,
+                    .temperature_c = truth_.temperature_c,
+                    .region = {settings.x, settings.y, settings.width, settings.height},
+                    .layout = settings.layout,
+                    .full_scale = settings.full_scale};
+    counts = imager_.Expose(view, sample_).counts;
+  }
+
+ private:
+  const SimConfig truth_;
+  const DeviceBench& bench_;
+  const Brdf& sample_;
+  SimImager imager_;
+};
+
+}  // namespace
+
+std::unique_ptr<GigeCamera> ServeCamera(const RigFile& file, const DeviceBench& bench,
+                                        const Brdf& sample, double speed) {
+  const CameraDevice& device = file.config.camera_device;
+  if (device.genicam.address.rfind("127.", 0) != 0) {
+    throw ConfigError(device.where +
+                      ": a double can be served on loopback only: address: 127.0.0.1");
+  }
+  const GigeCameraSettings settings = SettingsOf(file, speed);
+  const auto scene = std::make_shared<Scene>(file, settings, bench, sample);
+  auto camera = GigeCamera::Serve(
+      settings, [scene](const GigeExposure& exposure, std::vector<std::uint16_t>& counts) {
+        scene->Expose(exposure, counts);
+      });
+  if (!camera) throw ConfigError(device.where + ": " + camera.error().message);
+  return std::move(camera).value();
+}
+
+}  // namespace gonio
