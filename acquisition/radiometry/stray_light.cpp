@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/radiometry/stray_light.h"
+
+#include <cmath>
+
+namespace gonio {
+
+Result<Estimate> GlareFraction(const Estimate& dark, const Estimate& field) {
+  if (!(field.value > 0)) return Error{ErrorCode::kRefused, "glare: the field is dark"};
+  const double g = dark.value / field.value;
+  if (!(g < 0.5)) return Error{ErrorCode::kRefused, "glare: the black patch is as bright"};
+  return Estimate{g, std::hypot(dark.sigma, g * field.sigma) / field.value};
+}
+
+Result<StrayCorrected> SubtractStrayLight(const Estimate& measured, const Estimate& surround,
+                                          const StrayLight& stray) {
+  const double g = stray.glare.value;
+  if (!(g < 1)) return Error{ErrorCode::kRefused, "stray light: a glare of 1 leaves no signal"};
+  const double left = 1 - g;
+  StrayCorrected result;
+  result.rate.value = (measured.value - stray.background.value - g * surround.value) / left;
+  // d true / d g = (true - surround) / (1 - g).
+  const double by_glare = (result.rate.value - surround.value) / left * stray.glare.sigma;
+  result.systematic = std::hypot(stray.background.sigma / left, by_glare);
+  const double noise = std::hypot(measured.sigma, g * surround.sigma) / left;
+  result.rate.sigma = std::hypot(noise, result.systematic);
+  return result;
+}
+
+}  // namespace gonio
