@@ -16,8 +16,8 @@
 
 #include "acquisition/event_log_schema.h"
 #include "acquisition/event_log_sqlite.h"
-#include "acquisition/sha256.h"
 #include "core/check.h"
+#include "core/sha256.h"
 #include "core/units.h"
 
 namespace gonio {

@@ -108,6 +108,15 @@ YAML::Node ParseOneDocument(const std::string& text, const std::string& name) {
 
 }  // namespace
 
+std::string YamlQuoted(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c;
+  }
+  return quoted + '"';
+}
+
 ConfigNode::ConfigNode(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 ConfigNode ConfigNode::Load(const std::filesystem::path& path) {

@@ -14,6 +14,9 @@
 
 namespace gonio {
 
+// A text of one line as a YAML string that means nothing but itself.
+std::string YamlQuoted(std::string_view text);
+
 // The values a number may take, for the check and for the message: Range::Positive() and so on.
 struct Range {
   double min = -std::numeric_limits<double>::infinity();

@@ -59,16 +59,6 @@ double CovarianceOf(const Belief& belief, double distance, bool same_channel) {
   return covariance;
 }
 
-// A name as a YAML string that means nothing but itself.
-std::string Quoted(const std::string& name) {
-  std::string quoted = "\"";
-  for (const char c : name) {
-    if (c == '"' || c == '\\') quoted += '\\';
-    quoted += c;
-  }
-  return quoted + '"';
-}
-
 // The same between all knots.
 Eigen::MatrixXd CourseCovariance(const Belief& belief, int knots, bool same_channel) {
   Eigen::MatrixXd covariance(knots, knots);
@@ -145,11 +135,11 @@ Prior ReadPrior(const std::filesystem::path& path) {
 
 void WritePrior(const std::filesystem::path& path, const Prior& prior) {
   std::vector<std::string> materials;
-  for (const std::string& material : prior.materials) materials.push_back(Quoted(material));
+  for (const std::string& material : prior.materials) materials.push_back(YamlQuoted(material));
   WriteFileAtomically(path, [&](std::ostream& out) {
     out << fmt::format(
         "format: gonio-prior\nversion: 1\nname: {}\nlobes: {}\nknots: {}\nmaterials: [{}]\n",
-        Quoted(prior.name), prior.shape.lobes, prior.shape.knots, fmt::join(materials, ", "));
+        YamlQuoted(prior.name), prior.shape.lobes, prior.shape.knots, fmt::join(materials, ", "));
     WriteNumbers(out, "mean", prior.mean);
     WriteNumbers(out, "covariance_lower", LowerOf(prior.covariance));
     if (prior.process) WriteProcess(out, *prior.process);

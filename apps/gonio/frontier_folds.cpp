@@ -7,12 +7,12 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "acquisition/sha256.h"
 #include "apps/gonio/frontier_learning.h"
 #include "apps/gonio/json_file.h"
 #include "apps/gonio/study_config.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/sha256.h"
 #include "core/task_pool.h"
 
 namespace gonio {

@@ -8,13 +8,13 @@
 #include <map>
 #include <mutex>
 
-#include "acquisition/sha256.h"
 #include "acquisition/time_estimate.h"
 #include "apps/gonio/frontier_session.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/tabulate.h"
 #include "brdf/metrics.h"
 #include "brdf/open.h"
+#include "core/sha256.h"
 #include "core/task_pool.h"
 
 namespace gonio {

@@ -7,10 +7,10 @@
 #include <cctype>
 #include <sstream>
 
-#include "acquisition/sha256.h"
 #include "brdf/open.h"
 #include "core/config.h"
 #include "core/error.h"
+#include "core/sha256.h"
 #include "fitting/process_file.h"
 #include "fitting/process_fit.h"
 #include "fitting/table_fit.h"

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "acquisition/sha256.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/summary.h"
 #include "brdf/metrics.h"
 #include "core/config.h"
 #include "core/error.h"
+#include "core/sha256.h"
 #include "core/units.h"
 
 namespace gonio {

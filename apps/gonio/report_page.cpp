@@ -7,10 +7,10 @@
 #include <cmath>
 #include <utility>
 
-#include "acquisition/sha256.h"
 #include "apps/gonio/progress.h"
 #include "apps/gonio/report_figures.h"
 #include "apps/gonio/report_style.h"
+#include "core/sha256.h"
 
 namespace gonio {
 namespace {

@@ -7,10 +7,10 @@
 #include <mutex>
 #include <optional>
 
-#include "acquisition/sha256.h"
 #include "apps/gonio/tabulate.h"
 #include "brdf/metrics.h"
 #include "brdf/open.h"
+#include "core/sha256.h"
 #include "core/task_pool.h"
 
 namespace gonio {

@@ -47,9 +47,9 @@ const std::vector<Fence> kFences = {
     {"umockdev.h", {"sim"}, true},
     {"arv.h", {"drivers", "sim"}, true},
     {"glib", {"drivers", "sim"}, true},
-    {"openssl/", {"acquisition"}, true},
+    {"openssl/", {"core"}, true},
     {"ceres/", {"fitting"}, true},
-    {"opencv2/", {"brdf"}, true},
+    {"opencv2/", {"brdf", "acquisition"}, true},
 };
 
 struct Include {

@@ -1,0 +1,236 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/radiometry/calibration_file.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+#include <string_view>
+
+#include "core/check.h"
+#include "core/config.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/sha256.h"
+
+namespace gonio {
+namespace {
+
+constexpr const char* kFormat = "gonio-calibration";
+constexpr int kVersion = 1;
+constexpr PixelLayout kLayouts[] = {PixelLayout::kMono,    PixelLayout::kRgb,
+                                    PixelLayout::kBayerRg, PixelLayout::kBayerGr,
+                                    PixelLayout::kBayerGb, PixelLayout::kBayerBg};
+
+// OpenCV's order of colours is blue, green, red: swapped, so that other programs see them right.
+void SwapRedAndBlue(const SensorFormat& format, SiteImage* image) {
+  if (format.layout != PixelLayout::kRgb) return;
+  for (std::size_t i = 0; i < image->size(); i += 3) std::swap((*image)[i], (*image)[i + 2]);
+}
+
+std::string EncodeTiff(const std::filesystem::path& path, const SensorFormat& format,
+                       SiteImage image) {
+  SwapRedAndBlue(format, &image);
+  const cv::Mat mat(format.height, format.width, CV_32FC(CountsPerPixel(format.layout)),
+                    image.data());
+  std::vector<unsigned char> bytes;
+  bool done = false;
+  try {
+    // Unless told not to compress, OpenCV keeps three floats as LogLuv, good to a per cent.
+    done = cv::imencode(".tiff", mat, bytes, {cv::IMWRITE_TIFF_COMPRESSION, 1});
+  } catch (const cv::Exception&) {
+  }
+  if (!done) throw std::runtime_error(path.string() + ": cannot write: OpenCV cannot encode it");
+  return {bytes.begin(), bytes.end()};
+}
+
+SiteImage DecodeTiff(const std::filesystem::path& path, const SensorFormat& format,
+                     const std::string& bytes) {
+  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U,
+                       const_cast<char*>(bytes.data()));  // NOLINT: only read
+  cv::Mat mat;
+  try {
+    mat = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+  } catch (const cv::Exception&) {
+  }
+  if (mat.empty()) throw ConfigError(path.string() + ": is no TIFF image");
+  const int per_pixel = CountsPerPixel(format.layout);
+  if (mat.cols != format.width || mat.rows != format.height || mat.type() != CV_32FC(per_pixel)) {
+    throw ConfigError(fmt::format("{}: must be {} x {} pixels of {} floats", path.string(),
+                                  format.width, format.height, per_pixel));
+  }
+  SiteImage image(format.sites());
+  for (int y = 0; y < mat.rows; ++y) {
+    const auto row = image.size() / static_cast<std::size_t>(mat.rows);
+    std::memcpy(image.data() + static_cast<std::size_t>(y) * row, mat.ptr<float>(y),
+                row * sizeof(float));
+  }
+  SwapRedAndBlue(format, &image);
+  return image;
+}
+
+double Finite(double number) {
+  GONIO_CHECK(std::isfinite(number), "a calibration's numbers are finite");
+  return number;
+}
+
+std::string HeaderText(const CalibrationData& data) {
+  const SensorFormat& f = data.format;
+  std::string text = fmt::format("format: {}\nversion: {}\nkind: {}\ncreated_utc: \"{}\"\n",
+                                 kFormat, kVersion, data.kind, UtcText(data.created));
+  text += fmt::format("camera: {}\nregion: [{}, {}, {}, {}]\npixel_layout: {}\nfull_scale: {}\n",
+                      YamlQuoted(f.camera), f.left, f.top, f.width, f.height, ToString(f.layout),
+                      f.full_scale);
+  text += fmt::format("gain_db: {}\n", Finite(f.gain_db));
+  if (data.temperature_c) text += fmt::format("temperature_c: {}\n", Finite(*data.temperature_c));
+  return text;
+}
+
+std::string NumbersText(const CalibrationData& data) {
+  std::string text;
+  if (!data.texts.empty()) text += "texts:\n";
+  for (const auto& [name, value] : data.texts) {
+    text += fmt::format("  {}: {}\n", name, YamlQuoted(value));
+  }
+  if (!data.estimates.empty()) text += "estimates:\n";
+  for (const auto& [name, e] : data.estimates) {
+    text += fmt::format("  {}: [{}, {}]\n", name, Finite(e.value), Finite(e.sigma));
+  }
+  if (!data.lists.empty()) text += "lists:\n";
+  for (const auto& [name, numbers] : data.lists) {
+    GONIO_CHECK(!numbers.empty(), name);
+    for (const double number : numbers) Finite(number);
+    text += fmt::format("  {}: [{}]\n", name, fmt::join(numbers, ", "));
+  }
+  return text;
+}
+
+void WriteBytes(const std::filesystem::path& path, const std::string& bytes) {
+  WriteFileAtomically(path, [&](std::ostream& out) { out << bytes; });
+}
+
+SensorFormat ReadFormat(const ConfigNode& root) {
+  SensorFormat format;
+  format.camera = root.Text("camera");
+  const auto region = root.Numbers("region", 4, Range::Between(0, 1 << 20));
+  format.left = static_cast<int>(region[0]);
+  format.top = static_cast<int>(region[1]);
+  format.width = static_cast<int>(region[2]);
+  format.height = static_cast<int>(region[3]);
+  std::vector<std::string> names;
+  for (const PixelLayout layout : kLayouts) names.emplace_back(ToString(layout));
+  const std::string layout = root.Choice("pixel_layout", names);
+  for (const PixelLayout l : kLayouts) {
+    if (layout == ToString(l)) format.layout = l;
+  }
+  format.full_scale = root.Integer("full_scale", 1, 65535);
+  format.gain_db = root.Number("gain_db");
+  return format;
+}
+
+void CheckDemand(const ConfigNode& root, const CalibrationData& data,
+                 const CalibrationDemand& demand) {
+  const std::string difference = DifferenceOf(data.format, demand.format);
+  if (!difference.empty()) throw ConfigError(root.file() + ": " + difference);
+  const auto age = static_cast<double>(demand.now - data.created);
+  if (age < 0) root.Fail("created_utc", "is in the future; a clock is wrong");
+  if (age > demand.max_age) {
+    root.Fail("created_utc", fmt::format("is {:.1f} days ago, the limit is {:.1f}", age / 86400,
+                                         demand.max_age / 86400));
+  }
+  if (!data.temperature_c || !demand.temperature_c) return;
+  const double off = std::abs(*data.temperature_c - *demand.temperature_c);
+  if (!(off <= demand.max_temperature_difference)) {
+    root.Fail("temperature_c", fmt::format("is {} degrees from the sensor's, the limit is {}", off,
+                                           demand.max_temperature_difference));
+  }
+}
+
+SiteImage ReadSiteImage(const ConfigNode& node, const std::filesystem::path& folder,
+                        const SensorFormat& format) {
+  const std::string file = node.Text("file");
+  if (file.find('/') != std::string::npos) node.Fail("file", "must lie beside this file");
+  const std::filesystem::path path = folder / file;
+  const std::string bytes = ReadTextFile(path);
+  if (Sha256(bytes) != node.Text("sha256")) {
+    throw ConfigError(fmt::format("{}: was changed since {} named it", path.string(), node.file()));
+  }
+  return DecodeTiff(path, format, bytes);
+}
+
+}  // namespace
+
+std::string UtcText(std::int64_t seconds) {
+  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
+}
+
+std::optional<std::int64_t> SecondsOfUtc(const std::string& text) {
+  int y = 0;
+  unsigned month = 0, d = 0, h = 0, m = 0, s = 0;
+  if (std::sscanf(text.c_str(), "%4d-%2u-%2uT%2u:%2u:%2uZ", &y, &month, &d, &h, &m, &s) != 6) {
+    return std::nullopt;
+  }
+  const std::chrono::year_month_day date{std::chrono::year(y), std::chrono::month(month),
+                                         std::chrono::day(d)};
+  if (!date.ok()) return std::nullopt;
+  const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
+  const std::int64_t seconds = days * 86400 + h * 3600 + m * 60 + s;
+  // Whatever is not written like this is not such a date.
+  return UtcText(seconds) == text ? std::optional(seconds) : std::nullopt;
+}
+
+void WriteCalibration(const std::filesystem::path& path, const CalibrationData& data) {
+  std::string text = HeaderText(data) + NumbersText(data);
+  if (!data.images.empty()) text += "images:\n";
+  for (const auto& [name, image] : data.images) {
+    GONIO_CHECK(image.size() == data.format.sites(), "an image of all sites");
+    const std::string bytes = EncodeTiff(path, data.format, image);
+    const std::string digest = Sha256(bytes);
+    const std::string file =
+        fmt::format("{}.{}-{}.tiff", path.stem().string(), name, digest.substr(0, 8));
+    WriteBytes(path.parent_path() / file, bytes);
+    text += fmt::format("  {}: {{file: {}, sha256: \"{}\"}}\n", name, YamlQuoted(file), digest);
+  }
+  WriteBytes(path, text);
+}
+
+CalibrationData ReadCalibration(const std::filesystem::path& path,
+                                const CalibrationDemand& demand) {
+  const ConfigNode root = ConfigNode::Load(path);
+  root.Choice("format", {kFormat});
+  root.Integer("version", kVersion, kVersion);
+  CalibrationData data;
+  data.kind = root.Choice("kind", {demand.kind});
+  const auto created = SecondsOfUtc(root.Text("created_utc"));
+  if (!created) root.Fail("created_utc", "must be like \"2024-05-03T09:12:44Z\"");
+  data.created = *created;
+  data.format = ReadFormat(root);
+  if (root.Has("temperature_c")) data.temperature_c = root.Number("temperature_c");
+  CheckDemand(root, data, demand);
+  const auto each = [&](const char* key, const auto& read) {
+    if (!root.Has(key)) return;
+    const ConfigNode node = root.Map(key);
+    for (const std::string& name : node.Keys()) read(node, name);
+  };
+  each("texts", [&](const ConfigNode& n, const auto& name) { data.texts[name] = n.Text(name); });
+  each("estimates", [&](const ConfigNode& n, const auto& name) {
+    const auto pair = n.Numbers(name, 2);
+    if (pair[1] < 0) n.Fail(name, "has a negative uncertainty");
+    data.estimates[name] = {pair[0], pair[1]};
+  });
+  each("lists", [&](const ConfigNode& n, const auto& name) { data.lists[name] = n.Numbers(name); });
+  each("images", [&](const ConfigNode& n, const auto& name) {
+    data.images[name] = ReadSiteImage(n.Map(name), path.parent_path(), data.format);
+  });
+  root.RefuseUnknownKeys();
+  return data;
+}
+
+}  // namespace gonio

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: Apache-2.0
+// What a calibration found, in a dated file that cannot be used with the wrong camera.
+//
+// NAME.yaml holds numbers, and beside it lie images as TIFF of 32-bit floats, one number per site
+// (three channels for RGB cameras), each named with its digest:
+//
+//   format: gonio-calibration
+//   version: 1
+//   kind: flat-field
+//   created_utc: "2024-05-03T09:12:44Z"
+//   camera: "Vendor Model 1234"       # Camera::identity()
+//   region: [0, 0, 640, 480]          # left, top, width, height, pixels
+//   pixel_layout: bayer-rg
+//   full_scale: 4095
+//   gain_db: 0
+//   temperature_c: 41.5               # of the sensor; left out if the camera does not tell
+//   texts: {standard: "tile 17"}
+//   estimates:                        # value and standard uncertainty; units in the names
+//     gain_e_per_count: [2.02, 0.011]
+//   lists:
+//     dark0_exposures_s: [0.01, 1]
+//   images:
+//     response: {file: flat.response-1f0c93aa.tiff, sha256: "1f0c93aa..."}
+//
+// The images are written first and the YAML file last, each whole or not at all, so that a crash
+// leaves the previous calibration in force. Images of an older one are left lying.
+
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/sensor.h"
+
+namespace gonio {
+
+struct CalibrationData {
+  std::string kind;
+  std::int64_t created = 0;  // s since 1970-01-01 UTC
+  SensorFormat format;
+  std::optional<double> temperature_c;
+  std::map<std::string, std::string> texts;
+  std::map<std::string, Estimate> estimates;
+  std::map<std::string, std::vector<double>> lists;  // not empty
+  std::map<std::string, SiteImage> images;           // of format.sites()
+};
+
+// Throws std::runtime_error "PATH: cannot write: REASON". Numbers outside images must be finite.
+void WriteCalibration(const std::filesystem::path& path, const CalibrationData& data);
+
+// What the reader needs the calibration to be.
+struct CalibrationDemand {
+  std::string kind;
+  SensorFormat format;                                       // of the camera as it is now
+  std::int64_t now = 0;                                      // s since 1970
+  double max_age = std::numeric_limits<double>::infinity();  // s
+  // Both must tell a temperature for it to be compared.
+  std::optional<double> temperature_c;
+  double max_temperature_difference = std::numeric_limits<double>::infinity();  // K
+};
+
+// Throws ConfigError "PATH:LINE: KEY: ..." or "PATH: ...": another kind, camera, region, layout,
+// full scale or gain; too old or from the future; too warm or cold; an image that is missing, was
+// changed, or is of another size; anything unknown.
+CalibrationData ReadCalibration(const std::filesystem::path& path, const CalibrationDemand& demand);
+
+// "2024-05-03T09:12:44Z" and back; empty if it is no such date.
+std::string UtcText(std::int64_t seconds);
+std::optional<std::int64_t> SecondsOfUtc(const std::string& text);
+
+}  // namespace gonio
