@@ -46,12 +46,13 @@ class Controller final : public MotionController {
 };
 
 Result<ControllerStatus> Controller::Status() {
-  const Result<double> position = Number("TP", "");
-  if (!position) return position.error();
   const Result<std::string> answer = line_->Query(address_, "TS", "");
   if (!answer) return answer.error();
   const Result<smc100::Status> status = DecodeStatus(*answer);
   if (!status) return status.error();
+  // After the state: of one that has arrived it is where it arrived.
+  const Result<double> position = Number("TP", "");
+  if (!position) return position.error();
   const State state = status->state;
   return ControllerStatus{
       .position = *position,

@@ -7,6 +7,7 @@
 
 #include "acquisition/kinematics.h"
 #include "apps/gonio/device_error.h"
+#include "core/check.h"
 #include "core/config.h"
 #include "core/file.h"
 #include "sim/sim_camera.h"
@@ -120,7 +121,7 @@ Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex ax
   return opener.Open(*config.axis_devices[axis], settings);
 }
 
-OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
+OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
                    std::unique_ptr<Clock> clock) {
   OpenedRig rig;
   rig.clock = std::move(clock);
@@ -131,18 +132,19 @@ OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
     OpenRealCamera(file.config, rig);
     return rig;
   }
+  GONIO_CHECK(sample != nullptr, "a simulated camera needs something to look at");
   std::array<Axis*, kAxes> axes{};
   for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
   rig.devices.camera = std::make_unique<SimCamera>(
-      "camera", file.config.camera, file.simulation, sample,
+      "camera", file.config.camera, file.simulation, *sample,
       std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
       *rig.clock, Random(seed, kCameraStream));
   return rig;
 }
 
-Reachable MeasurablePoses(const RigConfig& rig, const Brdf& sample) {
-  return [kinematics = Kinematics(rig), &sample](const DirectionPair& pair) {
-    return kinematics.Reachable(pair) && sample.Eval(pair).has_value();
+Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample) {
+  return [kinematics = Kinematics(rig), sample](const DirectionPair& pair) {
+    return kinematics.Reachable(pair) && (sample == nullptr || sample->Eval(pair).has_value());
   };
 }
 

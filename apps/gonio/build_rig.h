@@ -36,12 +36,13 @@ struct OpenedRig {
 // `sample`, which must outlive it; `seed` is that of its noise.
 OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t seed);
 
-// The real devices of a rig of kind `real`, which live by `clock`; those that are not look at
-// `sample`, as above. Opens everything or nothing, and moves nothing.
+// The real devices of a rig of kind `real`, which live by `clock`; a camera that is not looks at
+// `sample`, as above, and only then is there need of one. Opens everything or nothing, and moves
+// nothing.
 //
 // Throws ConfigError naming the place in the file if a device is not there, is not what the file
 // says, or cannot do it; DeviceError, with the last lines of the wires, if one does not answer.
-OpenedRig OpenReal(const RigFile& file, const Brdf& sample, std::uint64_t seed,
+OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
                    std::unique_ptr<Clock> clock);
 
 // One axis of it, as OpenReal() opens them, on a line that others may share.
@@ -50,7 +51,7 @@ Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex ax
 
 // The poses a plan may choose from: those the rig can reach and where the simulated `sample`, which
 // must outlive the result, has a reflectance: measured materials end somewhere, and beyond it the
-// simulated camera refuses to expose.
-Reachable MeasurablePoses(const RigConfig& rig, const Brdf& sample);
+// simulated camera refuses to expose. nullptr: the sample is real.
+Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample);
 
 }  // namespace gonio

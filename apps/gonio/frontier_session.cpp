@@ -68,7 +68,7 @@ class Task {
     plan_.max_poses = budget;
     const RigFile& rig_file = session_.rig;
     const std::unique_ptr<Planner> planner =
-        MakePlanner(plan_, {.reachable = MeasurablePoses(rig_file.config, *truth_),
+        MakePlanner(plan_, {.reachable = MeasurablePoses(rig_file.config, truth_.get()),
                             .costs = CostsOn(rig_file.config),
                             .noise = NoiseOn(rig_file.config),
                             .pca = session_.learned != nullptr ? session_.learned->pca : nullptr,

@@ -30,14 +30,23 @@ namespace fs = std::filesystem;
 
 constexpr const char* kWireLog = "wire.log";
 
+bool HasRealCamera(const RigConfig& rig) {
+  return rig.camera_device.driver != CameraDevice::Driver::kSimulated;
+}
+
 // Everything that is read and checked before a directory is made or an axis moves.
 struct Setup {
   RigFile rig;
   fs::path plan_path;
   Plan plan;
   fs::path material_path;
-  std::unique_ptr<Brdf> material;
+  std::unique_ptr<Brdf> material;  // null: a real sample, and nothing to compare it with
   std::unique_ptr<Planner> planner;
+
+  // What a simulated camera looks at; null for a real one.
+  const Brdf* SimulatedSample() const {
+    return HasRealCamera(rig.config) ? nullptr : material.get();
+  }
 };
 
 Setup Prepare(const RunOptions& options) {
@@ -49,15 +58,18 @@ Setup Prepare(const RunOptions& options) {
   if (!options.prior.empty()) {
     setup.plan.Believe(OpenPrior(options.prior, setup.plan.prior.shape));
   }
-  setup.material_path =
-      LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);
-  setup.material = OpenAny(setup.material_path);
-  WarnIfSeen(setup.plan.prior, setup.material_path.stem().string());
-  setup.planner =
-      MakePlanner(setup.plan, {.reachable = MeasurablePoses(setup.rig.config, *setup.material),
-                               .costs = CostsOn(setup.rig.config),
-                               .noise = NoiseOn(setup.rig.config),
-                               .seed = options.seed});
+  // What a real camera looks at nobody knows; a material is then something to compare with.
+  if (!options.material.empty() || !HasRealCamera(setup.rig.config)) {
+    setup.material_path =
+        LocateConfig(options.material.empty() ? kDefaultMaterial : options.material);
+    setup.material = OpenAny(setup.material_path);
+    WarnIfSeen(setup.plan.prior, setup.material_path.stem().string());
+  }
+  setup.planner = MakePlanner(
+      setup.plan, {.reachable = MeasurablePoses(setup.rig.config, setup.SimulatedSample()),
+                   .costs = CostsOn(setup.rig.config),
+                   .noise = NoiseOn(setup.rig.config),
+                   .seed = options.seed});
   return setup;
 }
 
@@ -76,7 +88,7 @@ SessionInfo Describe(const RunOptions& options, const Setup& setup, const Device
     info.prior_spec = fs::absolute(options.prior).string();
   }
   info.prior_sha256 = HashOf(setup.plan.prior);
-  info.material_path = fs::absolute(setup.material_path).string();
+  if (setup.material) info.material_path = fs::absolute(setup.material_path).string();
   if (fs::is_regular_file(setup.material_path)) {
     info.material_sha256 = Sha256OfFile(setup.material_path);
   }
@@ -89,7 +101,7 @@ SessionInfo Describe(const RunOptions& options, const Setup& setup, const Device
 
 OpenedRig Open(const Setup& setup, std::uint64_t seed) {
   if (setup.rig.config.simulated) return OpenSimulated(setup.rig, *setup.material, seed);
-  return OpenReal(setup.rig, *setup.material, seed, std::make_unique<SystemClock>());
+  return OpenReal(setup.rig, setup.SimulatedSample(), seed, std::make_unique<SystemClock>());
 }
 
 void PrintSession(const SessionSummary& s) {
@@ -135,8 +147,8 @@ void FitAndPrint(const SessionSummary& summary, const Setup& setup, const fs::pa
     const DsbrdfFit fit = FitDsbrdf(summary.Samples(), setup.plan.prior, setup.plan.fit);
     WriteFit(out / kFitFile, fit);
     PrintFit(fit, setup.plan.prior);
-    PrintMale(*setup.material, fit, "the material's file");
-    if (setup.plan.prior.process) {
+    if (setup.material) PrintMale(*setup.material, fit, "the material's file");
+    if (setup.material && setup.plan.prior.process) {
       fmt::print("with what DSBRDF cannot say (the process of prior {}):\n", setup.plan.prior.name);
       PrintMale(*setup.material, *FitProcess(summary.Samples(), setup.plan.prior),
                 "the material's file");

@@ -77,7 +77,7 @@ SimulatedSession Simulate(const RigFile& rig_file, const NamedPlan& named,
   Plan plan = named.plan;
   if (target > 0) plan.information.target_error = 0;
   const std::unique_ptr<Planner> planner =
-      MakePlanner(plan, {.reachable = MeasurablePoses(rig_file.config, *material.brdf),
+      MakePlanner(plan, {.reachable = MeasurablePoses(rig_file.config, material.brdf.get()),
                          .costs = CostsOn(rig_file.config),
                          .noise = NoiseOn(rig_file.config),
                          .seed = seed});

@@ -46,6 +46,29 @@ std::map<std::string, long> SentIn(const std::string& log) {
   return sent;
 }
 
+// Real serial lines, a real USB stack and real GigE Vision packets. The program knows nothing of
+// the sample: only the double of the camera sees it.
+TEST_F(SimDevices, ASessionWithACameraMeasuresTheSample) {
+  File("grey.yaml", kGrey);
+  const Finished finished =
+      OnBench("bench-camera.yaml --material grey.yaml",
+              "\"$GONIO\" run --rig bench-camera.yaml --max-poses 4 --out session");
+  if (finished.err.find("3956 is taken") != std::string::npos) {
+    GTEST_SKIP() << "another camera is served on this machine";
+  }
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_THAT(finished.out, testing::Not(HasSubstr("MALE")));
+  const SessionRecord record = ReadSession(work() / "session");
+  EXPECT_THAT(record.info.devices.at("camera"), HasSubstr("GigE double, serial GP0001"));
+  EXPECT_EQ(record.info.material_path, "");
+  ASSERT_EQ(record.poses.size(), 4u);
+  for (const MeasuredPose& pose : record.poses) {
+    const BrdfSample& sample = pose.samples.front();
+    const Rgb miss = (sample.f_r - Rgb(0.2, 0.4, 0.6) / kPi) / sample.sigma;
+    EXPECT_LT(miss.abs().maxCoeff(), 5) << sample.f_r;
+  }
+}
+
 TEST_F(SimDevices, ASessionOverTheWiresMeasuresTheSample) {
   File("grey.yaml", kGrey);
   const Finished finished = OnBench(
