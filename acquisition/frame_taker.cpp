@@ -69,13 +69,4 @@ Result<Exposure> FrameTaker::Take(Seconds exposure, double monitor, std::stop_to
                   devices_.monitor->name(), 100 * *rig_.max_light_change, kTries, 100 * change)};
 }
 
-Result<Exposure> FrameTaker::TakeDark(Seconds exposure, std::stop_token stop) {
-  auto frame = TakeWhole(*devices_.camera, rig_.camera, exposure, std::move(stop));
-  if (!frame) return frame.error();
-  Exposure taken;
-  taken.frame = std::move(frame).value();
-  taken.monitor = 0;
-  return taken;
-}
-
 }  // namespace gonio

@@ -33,9 +33,6 @@ class FrameTaker {
   // Exposure::saturated is left for the caller, who knows which pixels matter.
   Result<Exposure> Take(Seconds exposure, double monitor, std::stop_token stop);
 
-  // One frame with the light off; its monitor is 0.
-  Result<Exposure> TakeDark(Seconds exposure, std::stop_token stop);
-
   static constexpr int kTries = 3;
 
  private:

@@ -24,10 +24,6 @@ constexpr Seconds kSilence{12};
 // Clocks of cameras run fast or slow by less.
 constexpr double kClockTolerance = 1e-3;
 
-bool Same(const CameraInfo& a, const CameraInfo& b) {
-  return a.min_exposure == b.min_exposure && a.max_exposure == b.max_exposure;
-}
-
 // What Capture() asks of the camera's thread.
 struct Request {
   Request(Seconds time, Seconds limit) : exposure(time), deadline(limit) {}
@@ -277,8 +273,10 @@ Result<void> GenicamCamera::Impl::Reopen(Request& request) {
   std::string reason;
   do {
     auto link = GenicamLink::Open(settings_);
-    if (link && !Same((*link)->info(), info_)) {
-      return Error{ErrorCode::kRefused, "another camera was found in its place"};
+    // What it is, and every setting that it read back.
+    if (link && (*link)->identity() != identity_) {
+      return Error{ErrorCode::kRefused, fmt::format("in its place was found: {}; it was: {}",
+                                                    (*link)->identity(), identity_)};
     }
     if (link) {
       link_ = std::move(link).value();

@@ -138,7 +138,7 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
   rig.devices.camera = std::make_unique<SimCamera>(
       "camera", file.config.camera, file.simulation, *sample,
       std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
-      *rig.clock, Random(seed, kCameraStream));
+      *rig.clock, Random(seed, kCameraStream), file.config.imaging);
   return rig;
 }
 

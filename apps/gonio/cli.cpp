@@ -19,8 +19,10 @@ Action SetUpRun(CLI::App& app) {
   auto o = std::make_shared<RunOptions>();
   app.add_option("--rig", o->rig, "Rig file")->capture_default_str();
   app.add_option("--plan", o->plan, "Plan file")->capture_default_str();
-  app.add_option("--material", o->material,
-                 "What a simulated rig measures: a MERL .binary, RGL .bsdf or material .yaml");
+  app.add_option(
+      "--material", o->material,
+      "What a simulated camera sees: a MERL .binary, RGL .bsdf or material .yaml; with a "
+      "real camera, something to compare with");
   app.add_option("--out", o->out, "Directory to make for the session; must not exist")->required();
   app.add_option("--max-poses", o->max_poses, "Budget of poses (default: the plan's)")
       ->check(CLI::PositiveNumber);

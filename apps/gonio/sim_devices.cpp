@@ -82,7 +82,13 @@ int SimDevicesCommand(const SimDevicesOptions& options) {
   const DeviceBench bench(devices, std::make_shared<SystemClock>(options.speed));
   std::unique_ptr<Brdf> sample;
   std::unique_ptr<GigeCamera> camera;
-  if (file.config.camera_device.driver != CameraDevice::Driver::kSimulated) {
+  const bool double_of_camera =
+      file.config.camera_device.driver != CameraDevice::Driver::kSimulated;
+  if (!double_of_camera && !options.material.empty()) {
+    throw ConfigError("--material: the camera of " + options.rig +
+                      " is simulated by the command itself, which takes --material, too");
+  }
+  if (double_of_camera) {
     sample = OpenAny(LocateConfig(options.material.empty() ? kDefaultMaterial : options.material));
     camera = ServeCamera(file, bench, *sample, options.speed);
   }
