@@ -89,6 +89,21 @@ BrdfSample ReduceRegion(const PoseRecord& pose, const ImageRegion& region, const
   return sample;
 }
 
+// About how many pixels of each colour a sample is averaged over.
+Rgb ExpectedPixels(const DirectionPair& pair, const RigConfig& rig) {
+  double pixels = static_cast<double>(rig.camera.width) * rig.camera.height;
+  if (rig.imaging.resolves_directions()) {
+    // The patch is a disc that is seen at an angle.
+    const double radius =
+        rig.imaging.patch_radius * rig.imaging.focal_length / rig.imaging.camera_distance;
+    pixels = std::min(pixels, kPi * Square(radius) * pair.cos_theta_o()) / rig.samples_per_image;
+  }
+  const bool mosaic =
+      CountsPerPixel(rig.camera.layout) == 1 && rig.camera.layout != PixelLayout::kMono;
+  const Rgb share = mosaic ? Rgb(0.25, 0.5, 0.25) : Rgb::Ones();
+  return (pixels * share).max(1);
+}
+
 }  // namespace
 
 std::vector<BrdfSample> Reduce(const PoseRecord& pose, const RigConfig& rig) {
@@ -105,12 +120,12 @@ Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, Seconds exposure,
   Rgb sigma = Rgb::Constant(std::numeric_limits<double>::infinity());
   const double light = pair.cos_theta_i() * rig.light_level * exposure.count();
   if (!(light > 0)) return sigma;
-  const Reading dark{.electrons = 0,
-                     .gain = 0,
-                     .dark = r.dark_current * exposure.count(),
-                     .pixels = static_cast<double>(rig.camera.width) * rig.camera.height};
+  const Reading dark{
+      .electrons = 0, .gain = 0, .dark = r.dark_current * exposure.count(), .pixels = 0};
+  const Rgb pixels = ExpectedPixels(pair, rig);
   for (int c = 0; c < kChannels; ++c) {
     Reading reading = dark;
+    reading.pixels = pixels[c];
     reading.gain = r.responsivity[c] * light;
     sigma[c] = std::sqrt(Variance(reading, f_r[c], r)) / reading.gain;
   }

@@ -179,5 +179,26 @@ INSTANTIATE_TEST_SUITE_P(
                     Scene{"Black", {0, 0, 0}, std::nullopt}),
     [](const auto& scene) { return scene.param.name; });
 
+// Example failure is a planner that counts on all pixels of an image, most of which see no sample.
+TEST(ExpectedSigma, IsThatOfTheReading) {
+  RigConfig config = DefaultRig();
+  config.camera.width = config.camera.height = 96;
+  config.camera.layout = PixelLayout::kBayerRg;
+  config.imaging = {
+      .focal_length = 1500, .camera_distance = 0.5, .light_distance = 0.8, .patch_radius = 0.005};
+  config.radiometry.multiplicative_noise = config.radiometry.monitor_noise = 0;
+  const Rgb f_r(0.002, 0.003, 0.004);
+  const FlatBrdf sample(f_r);
+  SimulatedRig rig(sample, 1, config);
+  PoseMeasurer measurer = rig.Prepared();
+  const DirectionPair pair = PairAt(30, 30, 60);
+  const auto record = measurer.Measure(pair, f_r, {});
+  ASSERT_TRUE(record.ok()) << record.error().message;
+  ASSERT_EQ(record->exposures.size(), 1u);
+  const Rgb stated = Reduce(*record, config).front().sigma;
+  const Rgb expected = ExpectedSigma(pair, f_r, record->exposures.front().frame.exposure, config);
+  EXPECT_LT((expected / stated - 1).abs().maxCoeff(), 0.1) << (expected / stated).transpose();
+}
+
 }  // namespace
 }  // namespace gonio

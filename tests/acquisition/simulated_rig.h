@@ -53,8 +53,8 @@ class SimulatedRig {
                         const RigConfig& config = DefaultRig(),
                         const SimConfig& truth = DefaultTruth())
       : rig(config) {
-    SimDevices sim =
-        MakeSimDevices(truth, {rig.axes, rig.motion.home_limit, rig.camera}, sample, clock, seed);
+    SimDevices sim = MakeSimDevices(
+        truth, {rig.axes, rig.motion.home_limit, rig.camera, rig.imaging}, sample, clock, seed);
     devices.axes = std::move(sim.axes);
     devices.camera = std::move(sim.camera);
     devices.light = std::move(sim.light);

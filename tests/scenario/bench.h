@@ -27,7 +27,7 @@
 namespace gonio {
 
 // Proposes what it was given, in that order, and remembers what it was told.
-class ScriptedPlanner final : public Planner {
+class ScriptedPlanner : public Planner {
  public:
   explicit ScriptedPlanner(std::vector<HalfDiff> script) : script_(std::move(script)) {}
 
