@@ -62,15 +62,7 @@ CameraInfo ReadCamera(const ConfigNode& node) {
   camera.width = node.Integer("width_px", 1, 16384);
   camera.height = node.Integer("height_px", 1, 16384);
   camera.full_scale = node.Integer("full_scale_counts", 255, 65535);
-  const std::vector<PixelLayout> layouts = {PixelLayout::kRgb,     PixelLayout::kMono,
-                                            PixelLayout::kBayerRg, PixelLayout::kBayerGr,
-                                            PixelLayout::kBayerGb, PixelLayout::kBayerBg};
-  if (node.Has("layout")) {
-    std::vector<std::string> names;
-    for (const PixelLayout layout : layouts) names.emplace_back(ToString(layout));
-    const std::string name = node.Choice("layout", names);
-    camera.layout = layouts[std::find(names.begin(), names.end(), name) - names.begin()];
-  }
+  if (node.Has("layout")) camera.layout = ReadPixelLayout(node, "layout");
   const double min = node.Number("min_exposure_s", Range::Positive());
   const double max = node.Number("max_exposure_s", Range::Positive());
   if (max <= min) {

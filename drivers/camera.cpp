@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "drivers/camera.h"
 
+#include <algorithm>
+
 #include "core/check.h"
 
 namespace gonio {
@@ -21,6 +23,13 @@ const char* ToString(PixelLayout layout) {
       return "bayer-bg";
   }
   return "?";
+}
+
+PixelLayout ReadPixelLayout(const ConfigNode& node, std::string_view key) {
+  std::vector<std::string> names;
+  for (const PixelLayout layout : kPixelLayouts) names.emplace_back(ToString(layout));
+  const std::string name = node.Choice(key, names);
+  return kPixelLayouts[std::find(names.begin(), names.end(), name) - names.begin()];
 }
 
 int CountsPerPixel(PixelLayout layout) { return layout == PixelLayout::kRgb ? 3 : 1; }

@@ -8,9 +8,11 @@
 #include <optional>
 #include <stop_token>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/clock.h"
+#include "core/config.h"
 #include "core/error.h"
 
 namespace gonio {
@@ -27,8 +29,13 @@ enum class PixelLayout {
   kBayerGb,  // GB/RG
   kBayerBg,  // BG/GR
 };
+inline constexpr PixelLayout kPixelLayouts[] = {PixelLayout::kMono,    PixelLayout::kRgb,
+                                                PixelLayout::kBayerRg, PixelLayout::kBayerGr,
+                                                PixelLayout::kBayerGb, PixelLayout::kBayerBg};
 // "mono", "rgb", "bayer-rg", ...: as in rig files and in the log.
 const char* ToString(PixelLayout layout);
+// The layout that `key` names. Throws ConfigError listing the names.
+PixelLayout ReadPixelLayout(const ConfigNode& node, std::string_view key);
 // Counts per pixel: 3 for kRgb, otherwise 1.
 int CountsPerPixel(PixelLayout layout);
 // 0, 1, 2: the colour that the pixel at column x, row y of a Bayer mosaic sees.

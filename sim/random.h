@@ -24,7 +24,10 @@ class Random {
   }
 
   // In (0, 1).
-  double Uniform() { return (static_cast<double>(engine_() >> 11) + 0.5) * 0x1p-53; }
+  double Uniform() { return Uniform(engine_()); }
+  static double Uniform(std::uint64_t bits) {
+    return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53;
+  }
 
   // Standard normal (Box and Muller, 1958).
   double Normal() {

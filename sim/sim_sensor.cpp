@@ -7,12 +7,6 @@
 #include "core/check.h"
 
 namespace gonio {
-namespace {
-
-double UniformOf(std::uint64_t bits) { return (static_cast<double>(bits >> 11) + 0.5) * 0x1p-53; }
-
-}  // namespace
-
 SimSensor::SimSensor(const SimConfig& truth, int width, int height, Random random, bool quick)
     : truth_(truth), width_(width), height_(height), quick_(quick), random_(random) {
   const bool alike = truth.prnu <= 0 && truth.dsnu <= 0 && truth.hot_pixels <= 0 &&
@@ -27,7 +21,7 @@ SimSensor::SimSensor(const SimConfig& truth, int width, int height, Random rando
 SimSensor::Fixed SimSensor::FixedOf(int x, int y) const {
   const std::uint64_t place = (static_cast<std::uint64_t>(y) << 32) | static_cast<unsigned>(x);
   const std::uint64_t pixel = Random::Hash(truth_.sensor_seed, place);
-  const auto uniform = [&](int i) { return UniformOf(Random::Hash(pixel, i)); };
+  const auto uniform = [&](int i) { return Random::Uniform(Random::Hash(pixel, i)); };
   // Box and Muller, both of a pair and one of a second.
   const double radius = std::sqrt(-2 * std::log(uniform(0)));
   const double prnu = radius * std::cos(2 * kPi * uniform(1));

@@ -25,9 +25,6 @@ namespace {
 
 constexpr const char* kFormat = "gonio-calibration";
 constexpr int kVersion = 1;
-constexpr PixelLayout kLayouts[] = {PixelLayout::kMono,    PixelLayout::kRgb,
-                                    PixelLayout::kBayerRg, PixelLayout::kBayerGr,
-                                    PixelLayout::kBayerGb, PixelLayout::kBayerBg};
 
 // OpenCV's order of colours is blue, green, red: swapped, so that other programs see them right.
 void SwapRedAndBlue(const SensorFormat& format, SiteImage* image) {
@@ -124,12 +121,7 @@ SensorFormat ReadFormat(const ConfigNode& root) {
   format.top = static_cast<int>(region[1]);
   format.width = static_cast<int>(region[2]);
   format.height = static_cast<int>(region[3]);
-  std::vector<std::string> names;
-  for (const PixelLayout layout : kLayouts) names.emplace_back(ToString(layout));
-  const std::string layout = root.Choice("pixel_layout", names);
-  for (const PixelLayout l : kLayouts) {
-    if (layout == ToString(l)) format.layout = l;
-  }
+  format.layout = ReadPixelLayout(root, "pixel_layout");
   format.full_scale = root.Integer("full_scale", 1, 65535);
   format.gain_db = root.Number("gain_db");
   return format;

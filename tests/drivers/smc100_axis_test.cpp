@@ -4,6 +4,10 @@
 
 #include <gmock/gmock.h>
 
+#include <atomic>
+#include <cmath>
+#include <string>
+
 #include "core/units.h"
 #include "sim/smc100_emulator.h"
 #include "tests/drivers/wire_axis.h"
@@ -32,7 +36,12 @@ class Smc100Faults : public testing::Test {
 
   const std::shared_ptr<ManualClock> clock_ = std::make_shared<ManualClock>();
   Smc100Emulator stage_{Smc100Stage{}, clock_};
-  PtyServer server_{[this](std::string_view bytes) { return stage_.Receive(bytes); }};
+  std::atomic<double> seconds_per_answer_ = 0;
+  PtyServer server_{[this](std::string_view bytes) {
+    std::string answer = stage_.Receive(bytes);
+    clock_->SleepFor(Seconds(seconds_per_answer_));
+    return answer;
+  }};
   const std::shared_ptr<Line> line_ =
       std::make_shared<Line>(OpenedPort(server_, XonXoff()), kWireReplyLimit);
 };
@@ -71,6 +80,17 @@ TEST_F(Smc100Faults, SetsItsSpeedAgainAfterAReset) {
   EXPECT_EQ(stage_.Receive("1VA?\r\n"), "1VA20\r\n");
   ASSERT_TRUE(axis->Home({}).ok());
   EXPECT_EQ(stage_.Receive("1VA?\r\n"), "1VA28.64789\r\n");
+}
+
+// Example failure is a driver that reads its position, and then hears that the move has ended.
+TEST_F(Smc100Faults, IsWhereItArrivedOnceItIsStill) {
+  const auto axis = Homed();
+  ASSERT_TRUE(axis->StartMove(2).ok());
+  seconds_per_answer_ = 60;  // it arrives between any two questions
+  const Result<AxisState> state = axis->State();
+  seconds_per_answer_ = 0;
+  ASSERT_TRUE(state.ok()) << state.error().message;
+  EXPECT_TRUE(state->moving || std::abs(state->position - 2) < 1e-3) << state->position;
 }
 
 TEST_F(Smc100Faults, ReportsAFollowingError) {
