@@ -40,12 +40,12 @@ struct Bench {
 
   const std::shared_ptr<ManualClock> clock = std::make_shared<ManualClock>();
   Esp301Emulator stage;
+  Heard heard;
   PtyServer server{[this](std::string_view bytes) {
-    heard += bytes;
+    heard.Add(bytes);
     return stage.Receive(bytes);
   }};
   const std::shared_ptr<Line> line = std::make_shared<Line>(OpenedPort(server), kWireReplyLimit);
-  std::string heard;  // looked at only when an answer has come
 };
 
 TEST(Esp301Axis, SaysWhatItIs) {
@@ -261,19 +261,19 @@ TEST(Esp301Axis, NoticesAResetByTheSpeedItHasForgotten) {
   bench.stage.Receive("1MO\r");
   EXPECT_FALSE(axis->State()->homed);
   EXPECT_EQ(axis->StartMove(1).error().message, "arm: is not homed");
-  bench.heard.clear();
+  bench.heard.Clear();
   ASSERT_TRUE(axis->Home({}).ok());
-  EXPECT_THAT(bench.heard, HasSubstr("1VA28.647890\r"));
-  EXPECT_THAT(bench.heard, HasSubstr("1AC57.295780\r"));
-  EXPECT_THAT(bench.heard, HasSubstr("1AG57.295780\r"));
+  EXPECT_THAT(bench.heard.Text(), HasSubstr("1VA28.647890\r"));
+  EXPECT_THAT(bench.heard.Text(), HasSubstr("1AC57.295780\r"));
+  EXPECT_THAT(bench.heard.Text(), HasSubstr("1AG57.295780\r"));
 }
 
 TEST(Esp301Axis, StopsHardInAnEmergencyAndIsNotHomedAfterIt) {
   Bench bench;
   const auto axis = bench.Moving();
-  bench.heard.clear();
+  bench.heard.Clear();
   ASSERT_TRUE(axis->EmergencyStop().ok());
-  EXPECT_EQ(bench.heard.substr(0, 3), "AB\r");
+  EXPECT_EQ(bench.heard.Text().substr(0, 3), "AB\r");
   EXPECT_EQ(axis->StartMove(1).error().message,
             "arm: is not homed since: the motor was without power");
 }

@@ -47,12 +47,12 @@ struct Bench {
 
   const std::shared_ptr<ManualClock> clock = std::make_shared<ManualClock>();
   Gcs2Emulator stage;
+  Heard heard;
   PtyServer server{[this](std::string_view bytes) {
-    heard += bytes;
+    heard.Add(bytes);
     return stage.Receive(bytes);
   }};
   const std::shared_ptr<Line> line = std::make_shared<Line>(OpenedPort(server), kWireReplyLimit);
-  std::string heard;  // looked at only when an answer has come
 };
 
 TEST(Gcs2Axis, SaysWhatItIs) {
@@ -130,7 +130,7 @@ TEST(Gcs2Axis, EnablesMotorsThatMustBeEnabled) {
   stage.knows_enable = true;
   Bench bench(stage);
   const auto axis = bench.Homed();
-  EXPECT_THAT(bench.heard, HasSubstr("EAX 1 1\n"));
+  EXPECT_THAT(bench.heard.Text(), HasSubstr("EAX 1 1\n"));
   bench.stage.Receive("EAX 1 0\n");
   EXPECT_EQ(axis->StartMove(1).error().message,
             "arm: is not homed since: the motor was without power");
@@ -223,16 +223,17 @@ TEST(Gcs2Line, RefusesRepliesOfAnotherForm) {
 // Whether it was obeyed nobody knows then.
 TEST(Gcs2Line, DoesNotSendACommandAgainWhoseErrorDoesNotCome) {
   int asked = 0;
-  std::string heard;
+  Heard heard;
   PtyServer server([&](std::string_view bytes) -> std::string {
-    heard += bytes;
+    heard.Add(bytes);
     return bytes == "ERR?\n" && ++asked == 1 ? "0\n" : "";
   });
   EXPECT_EQ(Line(OpenedPort(server), kWireReplyLimit).Command(0, "MVR 1 10").error().code,
             ErrorCode::kTimeout);
   server.HangUp();
-  EXPECT_THAT(heard, HasSubstr("MVR 1 10\n"));
-  EXPECT_EQ(heard.find("MVR"), heard.rfind("MVR"));
+  const std::string text = heard.Text();
+  EXPECT_THAT(text, HasSubstr("MVR 1 10\n"));
+  EXPECT_EQ(text.find("MVR"), text.rfind("MVR"));
 }
 
 // Example failure is a driver that asks for errors first, and stops nothing if no answer comes.
@@ -258,9 +259,9 @@ TEST(Gcs2Axis, StopsOneThatKnowsNoHalt) {
 TEST(Gcs2Axis, StopsHardInAnEmergencyAndKeepsItsReference) {
   Bench bench;
   const auto axis = bench.Moving();
-  bench.heard.clear();
+  bench.heard.Clear();
   ASSERT_TRUE(axis->EmergencyStop().ok());
-  EXPECT_EQ(bench.heard.front(), '\x18');
+  EXPECT_EQ(bench.heard.Text().front(), '\x18');
   EXPECT_TRUE(axis->State()->homed);
   EXPECT_TRUE(axis->StartMove(1).ok());
 }
@@ -300,12 +301,12 @@ TEST(Gcs2Axis, IsHomedAsLongAsTheControllerSaysSo) {
   bench.stage.Receive("SVO 1 1\n");  // by somebody else
   EXPECT_FALSE(again->State()->homed);
   EXPECT_EQ(again->StartMove(1).error().message, "arm: is not homed");
-  bench.heard.clear();
+  bench.heard.Clear();
   ASSERT_TRUE(again->Home({}).ok());
   // A reset forgets them.
-  EXPECT_THAT(bench.heard, HasSubstr("VEL 1 28.647890\n"));
-  EXPECT_THAT(bench.heard, HasSubstr("ACC 1 57.295780\n"));
-  EXPECT_THAT(bench.heard, HasSubstr("DEC 1 57.295780\n"));
+  EXPECT_THAT(bench.heard.Text(), HasSubstr("VEL 1 28.647890\n"));
+  EXPECT_THAT(bench.heard.Text(), HasSubstr("ACC 1 57.295780\n"));
+  EXPECT_THAT(bench.heard.Text(), HasSubstr("DEC 1 57.295780\n"));
 }
 
 }  // namespace

@@ -6,6 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "drivers/controller_axis.h"
@@ -23,6 +26,27 @@ inline std::unique_ptr<SerialPort> OpenedPort(const PtyServer& line, SerialSetti
   EXPECT_TRUE(port.ok()) << port.error().message;
   return std::move(port).value();
 }
+
+// Everything a double was sent. Any thread.
+class Heard {
+ public:
+  void Add(std::string_view bytes) {
+    const std::lock_guard lock(mutex_);
+    bytes_ += bytes;
+  }
+  std::string Text() const {
+    const std::lock_guard lock(mutex_);
+    return bytes_;
+  }
+  void Clear() {
+    const std::lock_guard lock(mutex_);
+    bytes_.clear();
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::string bytes_;
+};
 
 inline ControllerAxisSettings ArmSettings() {
   ControllerAxisSettings settings;
