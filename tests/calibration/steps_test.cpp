@@ -4,6 +4,10 @@
 #include "acquisition/calibration/steps.h"
 
 #include <gmock/gmock.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
 
 #include "tests/calibration/imperfect_rig.h"
 
@@ -111,15 +115,39 @@ TEST(Steps, GoOnWhereTheyWereStopped) {
   fs::remove(dir.path() / "darks.frames/frame-0005.yaml");
   options.stop = {};
   options.keep_frames = true;
-  int captures_from = 0;
+  int frames = 0;
   const fs::file_time_type first = fs::last_write_time(dir.path() / "darks.frames/frame-0001.tiff");
-  options.progress = [&](int, int, const std::string&) { ++captures_from; };
+  options.progress = [&](int, int, const std::string&) { ++frames; };
   const auto done = RunStep(CalibrateDarks, Trap(), options, 2);
   ASSERT_TRUE(done.ok()) << done.error().message;
-  EXPECT_EQ(captures_from, 12);
+  EXPECT_EQ(frames, 12);
   EXPECT_EQ(FramesIn(dir.path() / "darks.frames"), 12);
   EXPECT_EQ(fs::last_write_time(dir.path() / "darks.frames/frame-0001.tiff"), first);
   EXPECT_TRUE(fs::exists(dir.path() / "dark.yaml"));
+}
+
+// As above, by SIGKILL.
+TEST(Steps, GoOnWhereTheyWereKilled) {
+  const TempDir dir;
+  StepOptions options;
+  options.folder = dir.path();
+  options.frames = 4;
+  const pid_t child = ::fork();
+  if (child == 0) {
+    options.progress = [](int done, int, const std::string&) {
+      if (done == 7) ::kill(::getpid(), SIGKILL);
+    };
+    (void)RunStep(CalibrateDarks, Trap(), options);
+    ::_exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  ASSERT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(FramesIn(dir.path() / "darks.frames"), 7);
+  const auto done = RunStep(CalibrateDarks, Trap(), options);
+  ASSERT_TRUE(done.ok()) << done.error().message;
+  EXPECT_TRUE(fs::exists(dir.path() / "dark.yaml"));
+  EXPECT_FALSE(fs::exists(dir.path() / "darks.frames"));
 }
 
 TEST(Steps, RefuseFramesOfOtherSettingsUnlessToldToBeginAnew) {
