@@ -64,6 +64,23 @@ double Polar(const Eigen::Vector3d& v) {
   return DegFromRad(AngleBetween(v, Eigen::Vector3d::UnitZ()));
 }
 
+// Each term that is not zero in all colours: [red, green, blue], null where nothing was measured.
+json BudgetOf(const ReducedSample& reduced) {
+  json terms = json::object();
+  for (int i = 0; i < kUncertaintyTerms; ++i) {
+    const auto term = static_cast<UncertaintyTerm>(i);
+    const Rgb& sigma = reduced.budget[term];
+    if ((sigma == 0).all()) continue;
+    json colours = json::array();
+    for (int c = 0; c < kChannels; ++c) {
+      const bool measured = std::isfinite(reduced.sample.sigma[c]) && std::isfinite(sigma[c]);
+      colours.push_back(measured ? json(sigma[c]) : json());
+    }
+    terms[ToString(term)] = colours;
+  }
+  return terms;
+}
+
 void CreateTables(sqlite::Database& db) {
   db.Execute(kSessionSchema);
   constexpr const char* kRefuse =
@@ -101,6 +118,7 @@ void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
   put("material_path", info.material_path);
   put("material_sha256", info.material_sha256);
   put("devices", json(info.devices).dump());
+  put("calibrations", json(info.calibrations).dump());
 }
 
 }  // namespace
@@ -155,18 +173,23 @@ struct EventLog::Impl {
              std::span<const std::uint8_t>(bytes));
   }
 
-  void InsertSample(int pose, int part, const BrdfSample& sample) {
+  void InsertSample(int pose, int part, const ReducedSample& reduced) {
+    const BrdfSample& sample = reduced.sample;
+    const Rgb systematic = reduced.budget.systematic();
+    const auto systematic_of = [&](int c) {
+      return std::isfinite(sample.sigma[c]) ? FiniteOrNull(systematic[c]) : std::nullopt;
+    };
     const Eigen::Vector3d& wi = sample.directions.wi;
     const Eigen::Vector3d& wo = sample.directions.wo;
     const HalfDiff angles = ToHalfDiff(sample.directions);
     sqlite::Statement(db,
                       "INSERT INTO samples VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-                      "?, ?, ?, ?, ?)")
+                      "?, ?, ?, ?, ?, ?, ?, ?)")
         .Run(pose, part, Polar(wi), Azimuth(wi), Polar(wo), Azimuth(wo), DegFromRad(angles.theta_h),
              DegFromRad(angles.theta_d), DegFromRad(angles.phi_d), wi.x(), wi.y(), wi.z(), wo.x(),
              wo.y(), wo.z(), sample.f_r[0], sample.f_r[1], sample.f_r[2],
              FiniteOrNull(sample.sigma[0]), FiniteOrNull(sample.sigma[1]),
-             FiniteOrNull(sample.sigma[2]));
+             FiniteOrNull(sample.sigma[2]), systematic_of(0), systematic_of(1), systematic_of(2));
   }
 
   sqlite::Database db;
@@ -238,10 +261,16 @@ Result<void> EventLog::AppendPose(const PoseNote& note, const PoseRecord& record
   });
 }
 
-Result<void> EventLog::AppendSamples(int pose, const std::vector<BrdfSample>& samples) {
+Result<void> EventLog::AppendSamples(int pose, Seconds time,
+                                     const std::vector<ReducedSample>& samples) {
   return impl_->Write([&] {
     int part = 0;
-    for (const BrdfSample& sample : samples) impl_->InsertSample(pose, ++part, sample);
+    json budgets = json::array();
+    for (const ReducedSample& sample : samples) {
+      impl_->InsertSample(pose, ++part, sample);
+      budgets.push_back(BudgetOf(sample));
+    }
+    impl_->InsertEvent(time, "pose_reduced", {{"pose", pose}, {"sigma_per_sr", budgets}});
   });
 }
 

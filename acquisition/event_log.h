@@ -11,6 +11,7 @@
 #include <string>
 
 #include "acquisition/measure.h"
+#include "acquisition/radiometry.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
 #include "core/error.h"
@@ -19,10 +20,11 @@
 namespace gonio {
 
 // Versions of the tables of DIR/session.sqlite: what is written, and the oldest that is read. The
-// second one says more of each frame (docs/data-format.md).
-inline constexpr int kSessionFormat = 2;
+// second one says more of each frame, the third of each sample's uncertainty (docs/data-format.md).
+inline constexpr int kSessionFormat = 3;
 inline constexpr int kOldestSessionFormat = 1;
 inline constexpr const char* kSessionFile = "session.sqlite";
+inline constexpr const char* kSessionCalibration = "calibration";  // folder in it
 
 // What is frozen when a session starts. Hashes are SHA-256, in hexadecimal, and are filled in by
 // EventLog::Create() for the two texts.
@@ -40,6 +42,8 @@ struct SessionInfo {
   std::string prior_sha256;     // of its numbers
   std::string material_path;    // the simulated sample's file, absolute; empty for a real sample
   std::string material_sha256;  // of that file
+  // Calibrations the samples were reduced with, copied into DIR/calibration/: file name -> SHA-256.
+  std::map<std::string, std::string> calibrations;
   std::map<std::string, std::string> devices;  // role -> identity, e.g. "camera" -> "sim-camera"
 };
 
@@ -84,8 +88,8 @@ class EventLog {
 
   // The raw record of a pose, before anything learns from it.
   Result<void> AppendPose(const PoseNote& note, const PoseRecord& record);
-  // What Reduce() made of it. Precondition: AppendPose() of the same pose.
-  Result<void> AppendSamples(int pose, const std::vector<BrdfSample>& samples);
+  // What Reduce() made of it at `time`. Precondition: AppendPose() of the same pose.
+  Result<void> AppendSamples(int pose, Seconds time, const std::vector<ReducedSample>& samples);
   Result<void> AppendRejection(Seconds time, const Proposal& proposal, const Error& error);
   Result<void> AppendError(Seconds time, const Error& error);
   // Anything else that happened: one word and one line.

@@ -62,6 +62,7 @@ CREATE TABLE samples (
   wo_x REAL NOT NULL, wo_y REAL NOT NULL, wo_z REAL NOT NULL,
   f_r_red REAL NOT NULL, f_r_green REAL NOT NULL, f_r_blue REAL NOT NULL,
   sigma_red REAL, sigma_green REAL, sigma_blue REAL,
+  sigma_systematic_red REAL, sigma_systematic_green REAL, sigma_systematic_blue REAL,
   PRIMARY KEY (pose, part)
 ) STRICT;
 
@@ -69,6 +70,7 @@ CREATE VIEW measurements AS
   SELECT p.pose, s.part, p.reason, p.end_s AS time_s, s.theta_h_deg, s.theta_d_deg, s.phi_d_deg,
          s.theta_i_deg, s.theta_o_deg, s.f_r_red, s.f_r_green, s.f_r_blue,
          s.sigma_red, s.sigma_green, s.sigma_blue,
+         s.sigma_systematic_red, s.sigma_systematic_green, s.sigma_systematic_blue,
          (SELECT count(*) FROM exposures e WHERE e.pose = p.pose) AS frames, p.predicted_error
   FROM poses p JOIN samples s USING (pose) ORDER BY p.pose, s.part;
 )sql";

@@ -69,4 +69,8 @@ Result<Exposure> FrameTaker::Take(Seconds exposure, double monitor, std::stop_to
                   devices_.monitor->name(), 100 * *rig_.max_light_change, kTries, 100 * change)};
 }
 
+Result<Frame> FrameTaker::TakeDark(Seconds exposure, std::stop_token stop) {
+  return TakeWhole(*devices_.camera, rig_.camera, exposure, std::move(stop));
+}
+
 }  // namespace gonio

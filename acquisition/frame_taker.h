@@ -33,6 +33,9 @@ class FrameTaker {
   // Exposure::saturated is left for the caller, who knows which pixels matter.
   Result<Exposure> Take(Seconds exposure, double monitor, std::stop_token stop);
 
+  // One frame with the light off, of which no monitor has anything to say.
+  Result<Frame> TakeDark(Seconds exposure, std::stop_token stop);
+
   static constexpr int kTries = 3;
 
  private:

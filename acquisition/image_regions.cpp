@@ -227,4 +227,30 @@ std::vector<ImageRegion> RegionsOf(const Imaging& imaging, const ArmAngles& arms
   return regions;
 }
 
+void LeaveOut(const std::vector<std::uint8_t>& marked, int per_pixel,
+              std::vector<ImageRegion>* regions) {
+  const auto is_marked = [&](std::uint32_t pixel) {
+    const std::size_t first = std::size_t{pixel} * static_cast<std::size_t>(per_pixel);
+    return std::any_of(marked.begin() + static_cast<std::ptrdiff_t>(first),
+                       marked.begin() + static_cast<std::ptrdiff_t>(first) + per_pixel,
+                       [](std::uint8_t bits) { return bits != 0; });
+  };
+  for (ImageRegion& region : *regions) {
+    std::size_t kept = 0;
+    double light = 0;
+    for (std::size_t i = 0; i < region.pixels.size(); ++i) {
+      if (is_marked(region.pixels[i])) continue;
+      region.pixels[kept] = region.pixels[i];
+      if (!region.lights.empty()) light += region.lights[kept] = region.lights[i];
+      ++kept;
+    }
+    if (kept == region.pixels.size()) continue;
+    region.pixels.resize(kept);
+    if (region.lights.empty()) continue;
+    region.lights.resize(kept);
+    region.light = light / static_cast<double>(kept);
+  }
+  std::erase_if(*regions, [](const ImageRegion& region) { return region.pixels.empty(); });
+}
+
 }  // namespace gonio

@@ -34,4 +34,9 @@ struct ImageRegion {
 std::vector<ImageRegion> RegionsOf(const Imaging& imaging, const ArmAngles& arms, int width,
                                    int height, double max_polar, int count = 1);
 
+// Takes the pixels away of which some site is marked (SiteMask of all sites, with `per_pixel` of
+// each), and regions of which nothing is left. Directions stay: bad pixels are few.
+void LeaveOut(const std::vector<std::uint8_t>& marked, int per_pixel,
+              std::vector<ImageRegion>* regions);
+
 }  // namespace gonio

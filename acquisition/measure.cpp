@@ -36,8 +36,14 @@ bool AllSaturated(const std::vector<Exposure>& exposures) {
 
 }  // namespace
 
-PoseMeasurer::PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock)
-    : rig_(rig), devices_(devices), clock_(clock), taker_(rig, devices), kinematics_(rig) {}
+PoseMeasurer::PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock,
+                           const SiteMask* bad)
+    : rig_(rig),
+      devices_(devices),
+      clock_(clock),
+      bad_(bad),
+      taker_(rig, devices),
+      kinematics_(rig) {}
 
 Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
   if (auto homed = HomeAll(devices_, stop); !homed) return homed;
@@ -91,6 +97,7 @@ Result<void> PoseMeasurer::MoveTo(const DirectionPair& pair, PoseRecord& record,
   record.move_time = arrival->still - record.start;
   record.regions = RegionsOf(rig_.imaging, record.readback, rig_.camera.width, rig_.camera.height,
                              rig_.geometry.max_polar, rig_.samples_per_image);
+  if (bad_ != nullptr) LeaveOut(*bad_, CountsPerPixel(rig_.camera.layout), &record.regions);
   if (record.regions.empty()) {
     return Error{ErrorCode::kRefused, "no pixel sees the sample lit and below max_polar_deg"};
   }

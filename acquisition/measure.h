@@ -31,8 +31,9 @@ struct PoseRecord {
 // Measures poses with opened devices. One thread.
 class PoseMeasurer {
  public:
-  // Keeps references; all must outlive it.
-  PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock);
+  // Keeps references; all must outlive it. `bad`: pixels that do not measure (BadPixels::mask) are
+  // no part of the regions; nullptr: all do.
+  PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock, const SiteMask* bad = nullptr);
 
   // Homes every axis and switches the light on. Must succeed once before Measure().
   Result<void> Prepare(std::stop_token stop);
@@ -63,6 +64,7 @@ class PoseMeasurer {
   const RigConfig& rig_;
   Devices& devices_;
   Clock& clock_;
+  const SiteMask* const bad_;
   FrameTaker taker_;
   Kinematics kinematics_;
   ArmAngles position_{};

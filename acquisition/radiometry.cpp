@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "acquisition/region_rates.h"
 #include "core/units.h"
 
 namespace gonio {
@@ -20,10 +21,20 @@ struct Reading {
 
 double Square(double x) { return x * x; }
 
-// Variance of Reading::electrons if the sample's reflectance were `f_r`. The expected signal is
-// used, not the frame's own: a frame that by chance came out low would claim a small variance and
-// pull the average down.
-double Variance(const Reading& reading, double f_r, const RadiometryConfig& r) {
+// Variance of Reading::electrons, electrons^2, by its origin.
+struct Noise {
+  double pixel = 0;     // shot and read noise of one pixel
+  double pixels = 1;    // over which it averages
+  double rounding = 0;  // of the mean
+  double signal = 0;    // electrons
+  double relative = 0;  // relative variance that the pixels share
+
+  double total() const { return pixel / pixels + rounding + relative * Square(signal); }
+};
+
+// If the sample's reflectance were `f_r`. The expected signal is used, not the frame's own: a frame
+// that by chance came out low would claim a small variance and pull the average down.
+Noise NoiseOf(const Reading& reading, double f_r, const RadiometryConfig& r) {
   const double signal = std::max(f_r, 0.0) * reading.gain;
   const double pixel = signal + reading.dark + Square(r.read_noise);
   // Rounding errors of the pixels are independent only if noise spreads the pixels over several
@@ -33,7 +44,11 @@ double Variance(const Reading& reading, double f_r, const RadiometryConfig& r) {
   const double shared = std::exp(-Square(2 * kPi / count) * pixel);
   const double rounding = Square(count) / 12 * (1 / reading.pixels + shared);
   const double relative = Square(r.multiplicative_noise) + Square(r.monitor_noise);
-  return pixel / reading.pixels + rounding + relative * Square(signal);
+  return {pixel, reading.pixels, rounding, signal, relative};
+}
+
+double Variance(const Reading& reading, double f_r, const RadiometryConfig& r) {
+  return NoiseOf(reading, f_r, r).total();
 }
 
 // The readings of one channel that are not saturated.
@@ -55,10 +70,31 @@ std::vector<Reading> Readings(const PoseRecord& pose, int c, const ImageRegion& 
   return readings;
 }
 
-void ReduceChannel(const std::vector<Reading>& readings, const RadiometryConfig& r, double* f_r,
-                   double* sigma) {
-  *f_r = 0;
-  *sigma = std::numeric_limits<double>::infinity();
+// What the frames' noise makes of their weighted mean, term by term. `weights` are inverse
+// variances of f_r, `sum` theirs.
+void SetTerms(const std::vector<Reading>& readings, const std::vector<double>& weights, double sum,
+              double expected, const RadiometryConfig& r, int c, UncertaintyBudget* budget) {
+  for (std::size_t k = 0; k < readings.size(); ++k) {
+    const Noise noise = NoiseOf(readings[k], expected, r);
+    const double share = Square(weights[k] / sum / readings[k].gain);
+    const auto add = [&](UncertaintyTerm term, double variance) {
+      double& sigma = (*budget)[term][c];
+      sigma = std::sqrt(Square(sigma) + share * variance);
+    };
+    add(UncertaintyTerm::kShot, (noise.signal + readings[k].dark) / noise.pixels);
+    add(UncertaintyTerm::kRead, Square(r.read_noise) / noise.pixels);
+    add(UncertaintyTerm::kRounding, noise.rounding);
+    add(UncertaintyTerm::kMultiplicative, Square(r.multiplicative_noise * noise.signal));
+    add(UncertaintyTerm::kMonitor, Square(r.monitor_noise * noise.signal));
+  }
+}
+
+void ReduceChannel(const std::vector<Reading>& readings, const RadiometryConfig& r, int c,
+                   ReducedSample* reduced) {
+  double& f_r = reduced->sample.f_r[c];
+  double& sigma = reduced->sample.sigma[c];
+  f_r = 0;
+  sigma = std::numeric_limits<double>::infinity();
   if (readings.empty()) return;
   double electrons = 0;
   double gain = 0;
@@ -67,26 +103,68 @@ void ReduceChannel(const std::vector<Reading>& readings, const RadiometryConfig&
     gain += reading.gain;
   }
   const double expected = electrons / gain;
-  double weights = 0;
+  std::vector<double> weights;
+  double sum = 0;
   double weighted = 0;
   for (const Reading& reading : readings) {
     const double weight = Square(reading.gain) / Variance(reading, expected, r);
-    weights += weight;
+    weights.push_back(weight);
+    sum += weight;
     weighted += weight * reading.electrons / reading.gain;
   }
-  *f_r = weighted / weights;
-  *sigma = 1 / std::sqrt(weights);
+  f_r = weighted / sum;
+  sigma = 1 / std::sqrt(sum);
+  SetTerms(readings, weights, sum, expected, r, c, &reduced->budget);
 }
 
-BrdfSample ReduceRegion(const PoseRecord& pose, const ImageRegion& region, const RigConfig& rig) {
-  BrdfSample sample;
-  sample.directions = region.directions;
+ReducedSample ReduceRegion(const PoseRecord& pose, const ImageRegion& region,
+                           const RigConfig& rig) {
+  ReducedSample reduced;
+  reduced.sample.directions = region.directions;
   for (int c = 0; c < kChannels; ++c) {
     std::vector<Reading> readings;
     if (region.light > 0) readings = Readings(pose, c, region, rig);
-    ReduceChannel(readings, rig.radiometry, &sample.f_r[c], &sample.sigma[c]);
+    ReduceChannel(readings, rig.radiometry, c, &reduced);
   }
-  return sample;
+  return reduced;
+}
+
+std::vector<ReducedSample> ReduceByRig(const PoseRecord& pose, const RigConfig& rig) {
+  std::vector<ReducedSample> samples;
+  for (const ImageRegion& region : pose.regions) {
+    samples.push_back(ReduceRegion(pose, region, rig));
+  }
+  return samples;
+}
+
+// R of one channel. The rig's own is for electrons as the rig counts them: a gain that is not well
+// known makes it uncertain, while one that a standard told had the same gain.
+MeasuredValue ResponsivityOf(const RigConfig& rig, const Calibrations& calibrations, int c) {
+  if (calibrations.responsivity) {
+    return calibrations.responsivity->responsivity[static_cast<std::size_t>(c)];
+  }
+  const double gain = calibrations.sensor ? calibrations.sensor->gain.relative() : 0;
+  return {rig.radiometry.responsivity[c], rig.radiometry.responsivity[c] * gain};
+}
+
+ReducedSample FromRates(const RegionRates& rates, const ImageRegion& region, const RigConfig& rig,
+                        const Calibrations& calibrations) {
+  ReducedSample reduced;
+  reduced.sample.directions = region.directions;
+  reduced.sample.sigma.setConstant(std::numeric_limits<double>::infinity());
+  for (int c = 0; c < kChannels; ++c) {
+    const RegionRate& rate = rates[static_cast<std::size_t>(c)];
+    if (!rate.measured) continue;
+    const MeasuredValue responsivity = ResponsivityOf(rig, calibrations, c);
+    reduced.sample.f_r[c] = rate.rate / responsivity.value;
+    reduced.sample.sigma[c] = rate.random() / responsivity.value;
+    for (std::size_t i = 0; i < rate.terms.size(); ++i) {
+      reduced.budget.terms[i][c] = rate.terms[i] / responsivity.value;
+    }
+    reduced.budget[UncertaintyTerm::kResponsivity][c] =
+        std::abs(reduced.sample.f_r[c]) * responsivity.relative();
+  }
+  return reduced;
 }
 
 // About how many pixels of each colour a sample is averaged over.
@@ -106,12 +184,44 @@ Rgb ExpectedPixels(const DirectionPair& pair, const RigConfig& rig) {
 
 }  // namespace
 
-std::vector<BrdfSample> Reduce(const PoseRecord& pose, const RigConfig& rig) {
+std::vector<BrdfSample> SamplesOf(const std::vector<ReducedSample>& reduced) {
   std::vector<BrdfSample> samples;
-  for (const ImageRegion& region : pose.regions) {
-    samples.push_back(ReduceRegion(pose, region, rig));
+  for (const ReducedSample& one : reduced) samples.push_back(one.sample);
+  return samples;
+}
+
+Result<std::vector<ReducedSample>> Reduce(const PoseRecord& pose, const RigConfig& rig,
+                                          const Calibrations& calibrations) {
+  if (calibrations.empty()) return ReduceByRig(pose, rig);
+  const auto rates = MeasureRates(pose, rig, calibrations);
+  if (!rates) return rates.error();
+  std::vector<ReducedSample> samples;
+  for (std::size_t i = 0; i < rates->size(); ++i) {
+    samples.push_back(FromRates((*rates)[i], pose.regions[i], rig, calibrations));
   }
   return samples;
+}
+
+std::vector<BrdfSample> Reduce(const PoseRecord& pose, const RigConfig& rig) {
+  return SamplesOf(ReduceByRig(pose, rig));
+}
+
+void Believe(const Calibrations& calibrations, RigConfig* rig) {
+  RadiometryConfig& r = rig->radiometry;
+  if (calibrations.sensor) {
+    r.electrons_per_count = calibrations.sensor->gain.value;
+    r.read_noise = calibrations.sensor->read_noise.value;
+  }
+  if (calibrations.dark) {
+    const SiteImage& rate = calibrations.dark->fits.front().rate;
+    double sum = 0;
+    for (const float one : rate) sum += one;
+    r.dark_current = std::max(0.0, r.electrons_per_count * sum / static_cast<double>(rate.size()));
+  }
+  if (!calibrations.responsivity) return;
+  for (int c = 0; c < kChannels; ++c) {
+    r.responsivity[c] = calibrations.responsivity->responsivity[static_cast<std::size_t>(c)].value;
+  }
 }
 
 Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, Seconds exposure,

@@ -134,6 +134,21 @@ RadiometryConfig ReadRadiometry(const ConfigNode& node) {
 
 }  // namespace
 
+SensorFormat SensorFormatOf(const RigConfig& rig, const Camera& camera) {
+  SensorFormat format;
+  format.camera = camera.identity();
+  format.width = rig.camera.width;
+  format.height = rig.camera.height;
+  format.layout = rig.camera.layout;
+  format.full_scale = rig.camera.full_scale;
+  if (rig.camera_device.driver != CameraDevice::Driver::kSimulated) {
+    format.left = rig.camera_device.genicam.offset_x;
+    format.top = rig.camera_device.genicam.offset_y;
+    format.gain_db = rig.camera_device.genicam.gain_db;
+  }
+  return format;
+}
+
 RigConfig ReadRig(const ConfigNode& root, std::string text) {
   RigConfig rig;
   root.Integer("version", 1, 1);
@@ -172,6 +187,9 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   ReadImaging(root, rig);
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));
+  if (root.Has("calibration")) {
+    rig.calibration = ReadCalibrationPolicy(root.Map("calibration"));
+  }
   const ConfigNode time = root.Map("time");
   rig.dense_brackets = time.IntegerOr("dense_brackets", rig.dense_brackets, 1, 100);
   rig.dense_exposure =

@@ -9,6 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "acquisition/calibration/calibration_kind.h"
+#include "acquisition/radiometry/sensor.h"
 #include "brdf/brdf.h"
 #include "brdf/imaging.h"
 #include "core/clock.h"
@@ -73,6 +75,7 @@ struct RigConfig {
   MotionConfig motion;
   ExposureConfig exposure;
   RadiometryConfig radiometry;
+  CalibrationPolicy calibration;  // without a folder: `radiometry` is all that is known
   LightDevice light_device;
   MonitorDevice monitor_device;
   CameraDevice camera_device;
@@ -94,6 +97,10 @@ struct Devices {
   std::unique_ptr<Light> light;
   std::unique_ptr<Monitor> monitor;
 };
+
+// What frames of this rig's camera must share with those of a calibration. Full scale is the rig's:
+// a sensor may be full before its converter is.
+SensorFormat SensorFormatOf(const RigConfig& rig, const Camera& camera);
 
 // Reads the rig part of a rig file such as configs/sim-rig.yaml. Leaves `root` open: the caller
 // reads the `simulation` or device part and then calls root.RefuseUnknownKeys(). Throws

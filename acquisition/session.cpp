@@ -24,6 +24,8 @@ class LightOffAtEnd {
   Light& light_;
 };
 
+const Calibrations kNoCalibrations;
+
 class Session {
  public:
   Session(const SessionParts& parts, const SessionOptions& options, const SessionStop& stop,
@@ -32,7 +34,9 @@ class Session {
         options_(options),
         stop_(stop),
         progress_(progress),
-        measurer_(parts.rig, parts.devices, parts.clock) {}
+        calibrations_(parts.calibrations != nullptr ? *parts.calibrations : kNoCalibrations),
+        measurer_(parts.rig, parts.devices, parts.clock,
+                  calibrations_.bad_pixels ? &calibrations_.bad_pixels->mask : nullptr) {}
 
   SessionSummary Run() {
     const LightOffAtEnd light_off(*parts_.devices.light);
@@ -86,8 +90,12 @@ class Session {
   bool Take(const Proposal& proposal, const PoseRecord& record) {
     const PoseNote note{pose_count() + 1, proposal, parts_.planner.PredictedError()};
     if (!Kept([&](EventLog& log) { return log.AppendPose(note, record); })) return false;
-    const std::vector<BrdfSample> samples = Reduce(record, parts_.rig);
-    if (!Kept([&](EventLog& log) { return log.AppendSamples(note.pose, samples); })) return false;
+    const auto reduced = Reduce(record, parts_.rig, calibrations_);
+    if (!reduced) return EndWith(reduced.error());
+    if (!Kept([&](EventLog& log) { return log.AppendSamples(note.pose, record.end, *reduced); })) {
+      return false;
+    }
+    const std::vector<BrdfSample> samples = SamplesOf(*reduced);
 
     parts_.planner.Observe(proposal, samples.front());
     for (std::size_t i = 1; i < samples.size(); ++i) parts_.planner.AlsoObserve(samples[i]);
@@ -163,6 +171,7 @@ class Session {
   const SessionOptions options_;
   const SessionStop stop_;
   const ProgressFunction& progress_;
+  const Calibrations& calibrations_;
   PoseMeasurer measurer_;
   Seconds begin_{0};
   int rejections_in_a_row_ = 0;

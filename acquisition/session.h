@@ -36,7 +36,8 @@ struct SessionParts {
   Devices& devices;
   Clock& clock;
   Planner& planner;
-  EventLog* log = nullptr;  // nullptr: nothing is kept (`gonio simulate`)
+  EventLog* log = nullptr;                     // nullptr: nothing is kept (`gonio simulate`)
+  const Calibrations* calibrations = nullptr;  // nullptr: the rig's numbers are all that is known
 };
 
 enum class SessionOutcome {

@@ -21,7 +21,8 @@ std::int64_t Pragma(sqlite::Database& db, const char* name) {
   return statement.Step() ? statement.Integer(0) : 0;
 }
 
-void CheckFormat(sqlite::Database& db) {
+// Returns the version.
+std::int64_t CheckFormat(sqlite::Database& db) {
   const std::string file = db.file().string();
   if (Pragma(db, "application_id") != kSessionApplicationId) {
     throw ConfigError(file + ": is not a session: some other program made this database");
@@ -35,6 +36,7 @@ void CheckFormat(sqlite::Database& db) {
   if (!check.Step() || check.Text(0) != "ok") {
     throw ConfigError(fmt::format("{}: is damaged: {}", file, check.Text(0)));
   }
+  return version;
 }
 
 template <typename Number>
@@ -42,6 +44,13 @@ Number NumberOf(const std::string& text) {
   Number number = 0;
   std::from_chars(text.data(), text.data() + text.size(), number);
   return number;
+}
+
+std::map<std::string, std::string> TextsOf(const std::string& text) {
+  std::map<std::string, std::string> texts;
+  const json object = json::parse(text);  // items() below refers to it
+  for (const auto& [key, value] : object.items()) texts[key] = value.get<std::string>();
+  return texts;
 }
 
 SessionInfo ReadInfo(sqlite::Database& db) {
@@ -62,10 +71,9 @@ SessionInfo ReadInfo(sqlite::Database& db) {
   info.prior_sha256 = meta["prior_sha256"];
   info.material_path = meta["material_path"];
   info.material_sha256 = meta["material_sha256"];
-  const json devices = json::parse(meta["devices"]);  // items() below refers to it
-  for (const auto& [role, identity] : devices.items()) {
-    info.devices[role] = identity.get<std::string>();
-  }
+  info.devices = TextsOf(meta["devices"]);
+  // Older formats know none.
+  if (meta.contains("calibrations")) info.calibrations = TextsOf(meta["calibrations"]);
   return info;
 }
 
@@ -85,20 +93,33 @@ BrdfSample ReadSample(const sqlite::Statement& row, int first) {
   return sample;
 }
 
-std::vector<MeasuredPose> ReadPoses(sqlite::Database& db) {
+Rgb ReadSystematic(const sqlite::Statement& row, int first) {
+  Rgb systematic;
+  for (int i = 0; i < 3; ++i) {
+    systematic[i] = RealOrNull(row, first + i).value_or(std::numeric_limits<double>::infinity());
+  }
+  return systematic;
+}
+
+std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) {
   constexpr int kFirstSampleColumn = 13;
-  sqlite::Statement row(
-      db,
+  constexpr int kFirstSystematicColumn = 25;
+  const char* const systematic =
+      version >= 3 ? "s.sigma_systematic_red, s.sigma_systematic_green, s.sigma_systematic_blue"
+                   : "0.0, 0.0, 0.0";
+  const std::string select =
       "SELECT p.pose, p.candidate, p.reason, p.score, p.theta_h_deg, p.theta_d_deg, p.phi_d_deg,"
       " p.move_retries, p.start_s, p.move_s, p.end_s, p.predicted_error,"
       " (SELECT count(*) FROM exposures e WHERE e.pose = p.pose),"
       " s.wi_x, s.wi_y, s.wi_z, s.wo_x, s.wo_y, s.wo_z, s.f_r_red, s.f_r_green, s.f_r_blue,"
-      " s.sigma_red, s.sigma_green, s.sigma_blue"
-      " FROM poses p JOIN samples s USING (pose) ORDER BY s.rowid");
+      " s.sigma_red, s.sigma_green, s.sigma_blue, " +
+      std::string(systematic) + " FROM poses p JOIN samples s USING (pose) ORDER BY s.rowid";
+  sqlite::Statement row(db, select.c_str());
   std::vector<MeasuredPose> poses;
   while (row.Step()) {
     if (!poses.empty() && poses.back().pose == row.Integer(0)) {
       poses.back().samples.push_back(ReadSample(row, kFirstSampleColumn));
+      poses.back().systematic.push_back(ReadSystematic(row, kFirstSystematicColumn));
       continue;
     }
     MeasuredPose& pose = poses.emplace_back();
@@ -114,6 +135,7 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db) {
     pose.predicted_error = RealOrNull(row, 11);
     pose.frames = static_cast<int>(row.Integer(12));
     pose.samples.push_back(ReadSample(row, kFirstSampleColumn));
+    pose.systematic.push_back(ReadSystematic(row, kFirstSystematicColumn));
   }
   return poses;
 }
@@ -166,10 +188,10 @@ SessionRecord ReadSession(const std::filesystem::path& dir) {
   try {
     sqlite::Database db(dir / kSessionFile, SQLITE_OPEN_READONLY);
     sqlite::Transaction transaction(db, "BEGIN");  // one moment of a session that may be running
-    CheckFormat(db);
+    const std::int64_t version = CheckFormat(db);
     SessionRecord record;
     record.info = ReadInfo(db);
-    record.poses = ReadPoses(db);
+    record.poses = ReadPoses(db, version);
     record.events = ReadEvents(db);
     record.end = FindEnd(record.events);
     return record;

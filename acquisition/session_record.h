@@ -22,6 +22,9 @@ struct MeasuredPose {
   // As they were when the planner learned of them, to the last bit; not empty. The first is that of
   // the pose, the others are what else its image shows.
   std::vector<BrdfSample> samples;
+  // Of each sample: standard uncertainty that all samples share, 1/sr; BrdfSample::sigma is what
+  // they do not. Zero in formats before the third, infinite where nothing was measured.
+  std::vector<Rgb> systematic;
   int frames = 0;
   int move_retries = 0;
   Seconds start{0};  // session clock

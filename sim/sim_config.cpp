@@ -35,6 +35,7 @@ void ReadImage(const ConfigNode& node, SimConfig& sim) {
   sim.sample_radius = node.NumberOr("sample_radius_m", 0, Range::NonNegative());
   sim.vignetting = node.NumberOr("vignetting", 0, Range::Between(0, 1));
   sim.defocus = node.NumberOr("defocus_px", 0, Range::Between(0, 20));
+  sim.stray_light = node.NumberOr("stray_light_e_s", 0, Range::NonNegative());
   sim.veiling_glare = node.NumberOr("veiling_glare", 0, Range::Between(0, 1));
   sim.every_px = node.IntegerOr("every_px", 16, 1, 64);
   if (!std::has_single_bit(static_cast<unsigned>(sim.every_px))) {

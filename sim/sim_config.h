@@ -46,6 +46,7 @@ struct SimConfig {
   double vignetting = 0;     // times 1 - cos^4 of the field angle is lost; 1: the natural law
   double defocus = 0;        // px, standard deviation of the blur
   double veiling_glare = 0;  // of the frame's mean signal, added to every pixel
+  double stray_light = 0;    // electrons/s at full power, added to every pixel, whatever is there
   int every_px = 16;         // f_r is interpolated over at most so many pixels; a power of two
 
   // The sensor (sim_sensor.h).

@@ -308,7 +308,7 @@ SimImage SimOptics::Render(const SimArms& arms, double power, const Brdf& sample
   SimImage image{.width = region.width, .height = region.height, .values = {}};
   if (power <= 0) return image;
   if (!resolves_directions()) {
-    image.uniform = UniformRate(arms, power, sample);
+    image.uniform = UniformRate(arms, power, sample) + truth_.stray_light * power;
     return image;
   }
   image.planes = mono ? 1 : kChannels;
@@ -320,6 +320,7 @@ SimImage SimOptics::Render(const SimArms& arms, double power, const Brdf& sample
   image.values = Renderer(*this, arms, power, sample, padded, mono).Run();
   if (margin > 0) image = Blur(image, truth_.defocus, margin);
   if (truth_.veiling_glare > 0) AddGlare(image, truth_.veiling_glare);
+  for (float& value : image.values) value += static_cast<float>(truth_.stray_light * power);
   return image;
 }
 

@@ -42,10 +42,10 @@ struct SurfaceView {
 //                    (1 - vignetting (1 - cos^4 of the field angle))
 //
 // [electrons/s], blurred by a Gaussian of `defocus`, plus veiling_glare times the mean
-// over the region. Background is dark: beyond sample_radius of the origin on a plane, beyond it
-// along a cylinder's axis, beside the silhouette. So is what lies in shadow. The surfaces are
-// convex: they shade nothing but what turns away from the light. Where the sample's reflectance is
-// unknown, pixels are dark.
+// over the region, plus stray_light times power. Background is dark: beyond sample_radius of the
+// origin on a plane, beyond it along a cylinder's axis, beside the silhouette. So is what lies in
+// shadow. The surfaces are convex: they shade nothing but what turns away from the light. Where the
+// sample's reflectance is unknown, pixels are dark.
 //
 // f_r is not evaluated at each pixel: squares of `every_px` pixels are checked on a lattice of
 // three by three and divided where interpolation would err by more than 0.1 %, where the sample's

@@ -5,7 +5,7 @@
 #include <array>
 #include <cmath>
 
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 #include "brdf/brdf.h"
 #include "core/check.h"
 

@@ -8,12 +8,10 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 #include <string_view>
 
+#include "acquisition/radiometry/tiff_image.h"
 #include "core/check.h"
 #include "core/config.h"
 #include "core/error.h"
@@ -26,51 +24,8 @@ namespace {
 constexpr const char* kFormat = "gonio-calibration";
 constexpr int kVersion = 1;
 
-// OpenCV's order of colours is blue, green, red: swapped, so that other programs see them right.
-void SwapRedAndBlue(const SensorFormat& format, SiteImage* image) {
-  if (format.layout != PixelLayout::kRgb) return;
-  for (std::size_t i = 0; i < image->size(); i += 3) std::swap((*image)[i], (*image)[i + 2]);
-}
-
-std::string EncodeTiff(const std::filesystem::path& path, const SensorFormat& format,
-                       SiteImage image) {
-  SwapRedAndBlue(format, &image);
-  const cv::Mat mat(format.height, format.width, CV_32FC(CountsPerPixel(format.layout)),
-                    image.data());
-  std::vector<unsigned char> bytes;
-  bool done = false;
-  try {
-    // Unless told not to compress, OpenCV keeps three floats as LogLuv, good to a per cent.
-    done = cv::imencode(".tiff", mat, bytes, {cv::IMWRITE_TIFF_COMPRESSION, 1});
-  } catch (const cv::Exception&) {
-  }
-  if (!done) throw std::runtime_error(path.string() + ": cannot write: OpenCV cannot encode it");
-  return {bytes.begin(), bytes.end()};
-}
-
-SiteImage DecodeTiff(const std::filesystem::path& path, const SensorFormat& format,
-                     const std::string& bytes) {
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U,
-                       const_cast<char*>(bytes.data()));  // NOLINT: only read
-  cv::Mat mat;
-  try {
-    mat = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
-  } catch (const cv::Exception&) {
-  }
-  if (mat.empty()) throw ConfigError(path.string() + ": is no TIFF image");
-  const int per_pixel = CountsPerPixel(format.layout);
-  if (mat.cols != format.width || mat.rows != format.height || mat.type() != CV_32FC(per_pixel)) {
-    throw ConfigError(fmt::format("{}: must be {} x {} pixels of {} floats", path.string(),
-                                  format.width, format.height, per_pixel));
-  }
-  SiteImage image(format.sites());
-  for (int y = 0; y < mat.rows; ++y) {
-    const auto row = image.size() / static_cast<std::size_t>(mat.rows);
-    std::memcpy(image.data() + static_cast<std::size_t>(y) * row, mat.ptr<float>(y),
-                row * sizeof(float));
-  }
-  SwapRedAndBlue(format, &image);
-  return image;
+ImageSize SizeOf(const SensorFormat& format) {
+  return {format.width, format.height, CountsPerPixel(format.layout)};
 }
 
 double Finite(double number) {
@@ -145,6 +100,20 @@ void CheckDemand(const ConfigNode& root, const CalibrationData& data,
   }
 }
 
+// All but the kind, which the caller judges.
+CalibrationHeader ReadHeader(const ConfigNode& root) {
+  root.Choice("format", {kFormat});
+  root.Integer("version", kVersion, kVersion);
+  CalibrationHeader header;
+  header.kind = root.Text("kind");
+  const auto created = SecondsOfUtc(root.Text("created_utc"));
+  if (!created) root.Fail("created_utc", "must be like \"2024-05-03T09:12:44Z\"");
+  header.created = *created;
+  header.format = ReadFormat(root);
+  if (root.Has("temperature_c")) header.temperature_c = root.Number("temperature_c");
+  return header;
+}
+
 SiteImage ReadSiteImage(const ConfigNode& node, const std::filesystem::path& folder,
                         const SensorFormat& format) {
   const std::string file = node.Text("file");
@@ -154,7 +123,7 @@ SiteImage ReadSiteImage(const ConfigNode& node, const std::filesystem::path& fol
   if (Sha256(bytes) != node.Text("sha256")) {
     throw ConfigError(fmt::format("{}: was changed since {} named it", path.string(), node.file()));
   }
-  return DecodeTiff(path, format, bytes);
+  return DecodeTiffFloats(path, SizeOf(format), bytes);
 }
 
 }  // namespace
@@ -183,7 +152,7 @@ void WriteCalibration(const std::filesystem::path& path, const CalibrationData& 
   if (!data.images.empty()) text += "images:\n";
   for (const auto& [name, image] : data.images) {
     GONIO_CHECK(image.size() == data.format.sites(), "an image of all sites");
-    const std::string bytes = EncodeTiff(path, data.format, image);
+    const std::string bytes = EncodeTiff(path, SizeOf(data.format), image);
     const std::string digest = Sha256(bytes);
     const std::string file =
         fmt::format("{}.{}-{}.tiff", path.stem().string(), name, digest.substr(0, 8));
@@ -193,18 +162,27 @@ void WriteCalibration(const std::filesystem::path& path, const CalibrationData& 
   WriteBytes(path, text);
 }
 
+CalibrationHeader ReadCalibrationHeader(const std::filesystem::path& path) {
+  const ConfigNode root = ConfigNode::Load(path);
+  CalibrationHeader header = ReadHeader(root);
+  if (!root.Has("images")) return header;
+  const ConfigNode images = root.Map("images");
+  for (const std::string& name : images.Keys()) {
+    header.image_files.push_back(images.Map(name).Text("file"));
+  }
+  return header;
+}
+
 CalibrationData ReadCalibration(const std::filesystem::path& path,
                                 const CalibrationDemand& demand) {
   const ConfigNode root = ConfigNode::Load(path);
-  root.Choice("format", {kFormat});
-  root.Integer("version", kVersion, kVersion);
+  CalibrationHeader header = ReadHeader(root);
+  root.Choice("kind", {demand.kind});
   CalibrationData data;
-  data.kind = root.Choice("kind", {demand.kind});
-  const auto created = SecondsOfUtc(root.Text("created_utc"));
-  if (!created) root.Fail("created_utc", "must be like \"2024-05-03T09:12:44Z\"");
-  data.created = *created;
-  data.format = ReadFormat(root);
-  if (root.Has("temperature_c")) data.temperature_c = root.Number("temperature_c");
+  data.kind = std::move(header.kind);
+  data.created = header.created;
+  data.format = std::move(header.format);
+  data.temperature_c = header.temperature_c;
   CheckDemand(root, data, demand);
   const auto each = [&](const char* key, const auto& read) {
     if (!root.Has(key)) return;

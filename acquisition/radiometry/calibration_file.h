@@ -35,7 +35,7 @@
 #include <string>
 #include <vector>
 
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 #include "acquisition/radiometry/sensor.h"
 
 namespace gonio {
@@ -46,7 +46,7 @@ struct CalibrationData {
   SensorFormat format;
   std::optional<double> temperature_c;
   std::map<std::string, std::string> texts;
-  std::map<std::string, Estimate> estimates;
+  std::map<std::string, MeasuredValue> estimates;
   std::map<std::string, std::vector<double>> lists;  // not empty
   std::map<std::string, SiteImage> images;           // of format.sites()
 };
@@ -69,6 +69,17 @@ struct CalibrationDemand {
 // full scale or gain; too old or from the future; too warm or cold; an image that is missing, was
 // changed, or is of another size; anything unknown.
 CalibrationData ReadCalibration(const std::filesystem::path& path, const CalibrationDemand& demand);
+
+// What can be said of a file without a camera to compare it with, and without its images.
+struct CalibrationHeader {
+  std::string kind;
+  std::int64_t created = 0;  // s since 1970-01-01 UTC
+  SensorFormat format;
+  std::optional<double> temperature_c;
+  std::vector<std::string> image_files;  // names, beside the file
+};
+// Throws ConfigError as above, but judges neither kind, camera, age nor images.
+CalibrationHeader ReadCalibrationHeader(const std::filesystem::path& path);
 
 // "2024-05-03T09:12:44Z" and back; empty if it is no such date.
 std::string UtcText(std::int64_t seconds);

@@ -30,7 +30,7 @@ class Product {
     data_ = ReadCalibration(path, demand);
   }
 
-  Estimate Number(const std::string& name) { return Take(&data_.estimates, name); }
+  MeasuredValue Number(const std::string& name) { return Take(&data_.estimates, name); }
   std::string Text(const std::string& name) { return Take(&data_.texts, name); }
   std::vector<double> List(const std::string& name) { return Take(&data_.lists, name); }
   SiteImage Image(const std::string& name) { return Take(&data_.images, name); }

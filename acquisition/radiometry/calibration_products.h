@@ -32,9 +32,9 @@ struct CalibrationStamp {
 
 // The numbers of a photon transfer series.
 struct SensorCalibration {
-  Estimate gain;        // electrons/count
-  Estimate read_noise;  // electrons
-  Estimate full_well;   // electrons
+  MeasuredValue gain;        // electrons/count
+  MeasuredValue read_noise;  // electrons
+  MeasuredValue full_well;   // electrons
   Linearity linearity = Linearity::Identity(1);
 };
 void WriteSensor(const std::filesystem::path& path, const CalibrationStamp& stamp,
@@ -55,8 +55,8 @@ void WriteFlatField(const std::filesystem::path& path, const CalibrationStamp& s
 FlatField ReadFlatField(const std::filesystem::path& path, CalibrationDemand demand);
 
 struct Responsivity {
-  std::string standard;                          // ReferenceStandard::name()
-  std::array<Estimate, kChannels> responsivity;  // electrons/s/(1/sr) at light 1
+  std::string standard;                               // ReferenceStandard::name()
+  std::array<MeasuredValue, kChannels> responsivity;  // electrons/s/(1/sr) at light 1
 };
 void WriteResponsivity(const std::filesystem::path& path, const CalibrationStamp& stamp,
                        const Responsivity& responsivity);

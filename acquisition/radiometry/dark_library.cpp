@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 #include "core/units.h"
 
 namespace gonio {

@@ -16,9 +16,9 @@
 
 #include <vector>
 
-#include "acquisition/radiometry/estimate.h"
 #include "acquisition/radiometry/frame_correction.h"
 #include "acquisition/radiometry/hdr_merge.h"
+#include "acquisition/radiometry/measured_value.h"
 
 namespace gonio {
 

@@ -71,7 +71,9 @@ Result<CorrectedFrame> Correct(const SensorModel& sensor, const Frame& frame, do
   for (std::size_t i = 0; i < sites; ++i) {
     const int n = std::min<int>(frame.counts[i], last);
     corrected.electrons[i] = table.electrons[static_cast<std::size_t>(n)];
-    corrected.unusable[i] = n >= table.saturated ? kSaturatedSite : 0;
+    // A hot site that is full by itself says nothing about its neighbours' light.
+    const bool bad = !sensor.bad.empty() && sensor.bad[i] != 0;
+    corrected.unusable[i] = n >= table.saturated && !bad ? kSaturatedSite : 0;
   }
   MarkNeighbours(sensor.format, &corrected.unusable);
   if (!sensor.bad.empty()) {

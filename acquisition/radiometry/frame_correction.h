@@ -44,7 +44,7 @@ struct SensorModel {
 
 // kRefused if the frame is of another format. `dark` may be null: none is subtracted. Sites next to
 // a saturated one (eight neighbours, of the same colour where a pixel has three) are marked too:
-// charge spills over, and their own light may be stray light of that one.
+// charge spills over, and their own light may be stray light of that one. Not those of a bad site.
 Result<CorrectedFrame> Correct(const SensorModel& sensor, const Frame& frame, double monitor,
                                const Dark* dark);
 

@@ -56,6 +56,39 @@ struct RowSums {
   }
 };
 
+// electrons^2: variance of a site without signal, on average over all.
+double TypicalFloor(const CorrectedFrame& frame) {
+  if (frame.extra.empty()) return frame.floor;
+  double extra = 0;
+  for (const float e : frame.extra) extra += e;
+  return frame.floor + extra / static_cast<double>(frame.extra.size());
+}
+
+// 1 below taper_begin of full scale, 0 above taper_end, smooth in between.
+double Taper(double level, const MergeOptions& options) {
+  const double u = (options.taper_end - level) / (options.taper_end - options.taper_begin);
+  const double v = std::clamp(u, 0.0, 1.0);
+  return v * v * (3 - 2 * v);
+}
+
+// Weights of all frames for one rate, the largest 1; all 0 if it saturates each.
+std::vector<double> WeightsFor(const std::vector<CorrectedFrame>& frames,
+                               const std::vector<double>& floors, double rate,
+                               const MergeOptions& options) {
+  std::vector<double> weights;
+  double largest = 0;
+  for (std::size_t k = 0; k < frames.size(); ++k) {
+    const double g = frames[k].gain();
+    const double alone = (rate * g + floors[k]) / options.averaged_sites;
+    const double shared = Square(options.shared_noise * rate * g);
+    const double taper = Taper(rate * g / frames[k].full, options);
+    weights.push_back(Square(g) / (alone + shared) * taper);
+    largest = std::max(largest, weights.back());
+  }
+  for (double& w : weights) w = largest > 0 ? w / largest : 0;
+  return weights;
+}
+
 class Merger {
  public:
   Merger(const std::vector<CorrectedFrame>& frames, const MergeOptions& options)
@@ -71,10 +104,7 @@ class Merger {
       for (auto& w : weights_[static_cast<std::size_t>(parity)]) w.resize(row_);
     }
     for (const CorrectedFrame& frame : frames) {
-      double extra = 0;
-      for (const float e : frame.extra) extra += e;
-      const double mean = frame.extra.empty() ? 0 : extra / static_cast<double>(format_.sites());
-      typical_floor_.push_back(frame.floor + mean);
+      typical_floor_.push_back(TypicalFloor(frame));
       order_.push_back(order_.size());
     }
     std::sort(order_.begin(), order_.end(),
@@ -137,13 +167,6 @@ class Merger {
     return x / static_cast<std::size_t>(per_pixel_ * options_.tile);
   }
 
-  // 1 below taper_begin of full scale, 0 above taper_end, smooth in between.
-  double Taper(double level) const {
-    const double u = (options_.taper_end - level) / (options_.taper_end - options_.taper_begin);
-    const double v = std::clamp(u, 0.0, 1.0);
-    return v * v * (3 - 2 * v);
-  }
-
   // Expected rate of one channel of a tile, at least zero: from the shortest frame on, each next
   // one if what is known so far and what itself says leave it below full scale.
   double ExpectedRate(const std::vector<TileSums>& sums, std::size_t tile, std::size_t c) const {
@@ -162,21 +185,6 @@ class Merger {
     return seconds > 0 ? std::max(0.0, electrons / seconds) : 0;
   }
 
-  // Weights of all frames for one channel of one tile, the largest 1; all 0 if it is saturated.
-  std::vector<double> WeightsFor(double rate) const {
-    std::vector<double> weights;
-    double largest = 0;
-    for (std::size_t k = 0; k < frames_.size(); ++k) {
-      const double g = frames_[k].gain();
-      const double alone = (rate * g + typical_floor_[k]) / options_.averaged_sites;
-      const double shared = Square(options_.shared_noise * rate * g);
-      weights.push_back(Square(g) / (alone + shared) * Taper(rate * g / frames_[k].full));
-      largest = std::max(largest, weights.back());
-    }
-    for (double& w : weights) w = largest > 0 ? w / largest : 0;
-    return weights;
-  }
-
   void SetWeights(const Band& band) {
     std::vector<TileSums> sums;
     for (const CorrectedFrame& frame : frames_) sums.push_back(SumTiles(band, frame));
@@ -185,7 +193,8 @@ class Merger {
     const auto channels = static_cast<std::size_t>(ChannelsOf(format_.layout));
     for (std::size_t tile = 0; tile < weights.size(); ++tile) {
       for (std::size_t c = 0; c < channels; ++c) {
-        weights[tile][c] = WeightsFor(ExpectedRate(sums, tile, c));
+        weights[tile][c] =
+            WeightsFor(frames_, typical_floor_, ExpectedRate(sums, tile, c), options_);
       }
     }
     const std::size_t kinds = channels == 1 || per_pixel_ == kChannels ? 1 : 2;
@@ -280,6 +289,13 @@ class Merger {
 };
 
 }  // namespace
+
+std::vector<double> MergeWeights(const std::vector<CorrectedFrame>& frames, double rate,
+                                 const MergeOptions& options) {
+  std::vector<double> floors;
+  for (const CorrectedFrame& frame : frames) floors.push_back(TypicalFloor(frame));
+  return WeightsFor(frames, floors, rate, options);
+}
 
 Result<MergedImage> Merge(const std::vector<CorrectedFrame>& frames, const MergeOptions& options) {
   GONIO_CHECK(options.tile >= 2 && options.tile % 2 == 0, "tiles hold whole cells of a mosaic");

@@ -55,6 +55,13 @@ struct MergeOptions {
   double taper_end = 0.95;
 };
 
+// The weights of such frames for a mean over `averaged_sites` sites that receive `rate`
+// [electrons/s at light 1] each, tapered, the largest 1; all 0 if every frame is too bright. What
+// Merge() uses in a tile where it expects that rate: for whoever wants to know what a frame's error
+// is in the merge, w_k / (g_k sum w).
+std::vector<double> MergeWeights(const std::vector<CorrectedFrame>& frames, double rate,
+                                 const MergeOptions& options);
+
 // Bits of MergedImage::state; 0: a rate is known and stands out of the noise.
 enum MergedState : std::uint8_t {
   kAllSaturated = 1,  // no frame is short enough: rate 0, variance infinite

@@ -76,7 +76,7 @@ Result<Linearity> Linearity::FromKnots(std::vector<LinearityKnot> knots) {
   return table;
 }
 
-std::optional<Estimate> Linearity::Factor(double counts) const {
+std::optional<MeasuredValue> Linearity::Factor(double counts) const {
   if (!(counts <= max_counts())) return std::nullopt;
   const auto above =
       std::lower_bound(knots_.begin(), knots_.end(), counts,
@@ -85,8 +85,8 @@ std::optional<Estimate> Linearity::Factor(double counts) const {
   const LinearityKnot& a = *(above - 1);
   const LinearityKnot& b = *above;
   const double w = (counts - a.counts) / (b.counts - a.counts);
-  return Estimate{(1 - w) * a.factor.value + w * b.factor.value,
-                  std::hypot((1 - w) * a.factor.sigma, w * b.factor.sigma)};
+  return MeasuredValue{(1 - w) * a.factor.value + w * b.factor.value,
+                       std::hypot((1 - w) * a.factor.sigma, w * b.factor.sigma)};
 }
 
 std::optional<double> Linearity::Correct(double counts) const {

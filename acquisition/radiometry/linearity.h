@@ -17,14 +17,14 @@
 #include <optional>
 #include <vector>
 
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 #include "acquisition/radiometry/photon_transfer.h"
 
 namespace gonio {
 
 struct LinearityKnot {
-  double counts = 0;  // above black, as read
-  Estimate factor;    // corrected counts over counts
+  double counts = 0;     // above black, as read
+  MeasuredValue factor;  // corrected counts over counts
 };
 
 class Linearity {
@@ -35,7 +35,7 @@ class Linearity {
   static Result<Linearity> FromKnots(std::vector<LinearityKnot> knots);
 
   // What to multiply counts above black with. Empty above the last knot.
-  std::optional<Estimate> Factor(double counts) const;
+  std::optional<MeasuredValue> Factor(double counts) const;
   std::optional<double> Correct(double counts) const;
 
   const std::vector<LinearityKnot>& knots() const { return knots_; }  // ascending in counts

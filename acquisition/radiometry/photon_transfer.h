@@ -19,7 +19,7 @@
 #include <array>
 #include <vector>
 
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 #include "acquisition/radiometry/sensor.h"
 #include "core/error.h"
 
@@ -54,15 +54,15 @@ struct TransferOptions {
 };
 
 struct PhotonTransfer {
-  Estimate gain;        // K, electrons/count
-  Estimate read_noise;  // r, electrons
+  MeasuredValue gain;        // K, electrons/count
+  MeasuredValue read_noise;  // r, electrons
   // Without light the noise spreads over less than half a count (variance < 0.24 counts^2, EMVA
   // 1288 section 6.2): rounding hides it, and read_noise is its upper limit, 0.4 counts.
   bool read_noise_hidden = false;
   // Electrons a site holds at most: the mean where the variance has collapsed, times K. If no pair
   // is that bright, the brightest mean and full_well_reached = false: it holds at least so many.
   // sigma has the uncertainty of K and how much the sites differ.
-  Estimate full_well;
+  MeasuredValue full_well;
   bool full_well_reached = false;
   bool full_well_is_full_scale = false;  // the converter ends before the sites are full
   double chi_squared = 0;                // of the line; expected: degrees_of_freedom
@@ -87,7 +87,7 @@ Result<PhotonTransfer> MeasurePhotonTransfer(const SensorFormat& format,
 // linear, or corrected (linearity.h), and free of dark current.
 struct ExposureRatio {
   double exposure = 0;  // s, nominal
-  Estimate ratio;       // 1: as told
+  MeasuredValue ratio;  // 1: as told
 };
 // `light_noise`: relative, of one frame: the monitor's and the multiplicative noise, which has to
 // average out. Points of one exposure are joined; `reference` [s] must be among them (kRefused) and

@@ -49,8 +49,8 @@ ReferenceStandard::ReferenceStandard(std::string name, std::vector<StandardPoint
   GONIO_CHECK(!points_.empty(), "a standard has points");
 }
 
-Result<Estimate> ReferenceStandard::At(double theta_i, double theta_o, int channel,
-                                       double tolerance) const {
+Result<MeasuredValue> ReferenceStandard::At(double theta_i, double theta_o, int channel,
+                                            double tolerance) const {
   const auto distance = [&](const StandardPoint& p) {
     return std::max(std::abs(p.theta_i - theta_i), std::abs(p.theta_o - theta_o));
   };
@@ -61,32 +61,32 @@ Result<Estimate> ReferenceStandard::At(double theta_i, double theta_o, int chann
     return Refusal(fmt::format("{} is not known at {:.2f}:{:.2f} degrees", name_,
                                DegFromRad(theta_i), DegFromRad(theta_o)));
   }
-  return Estimate{nearest->f_r[channel], nearest->sigma[channel]};
+  return MeasuredValue{nearest->f_r[channel], nearest->sigma[channel]};
 }
 
-Result<Estimate> ResponsivityFrom(const Estimate& rate, const Estimate& f_r,
-                                  double relative_noise) {
+Result<MeasuredValue> ResponsivityFrom(const MeasuredValue& rate, const MeasuredValue& f_r,
+                                       double relative_noise) {
   if (!(f_r.value > 0)) return Refusal("the standard's f_r must be > 0");
   if (!(rate.value > 0)) return Refusal("no signal from the standard");
   const double value = rate.value / f_r.value;
   const double relative =
       std::sqrt(Square(rate.relative()) + Square(f_r.relative()) + Square(relative_noise));
-  return Estimate{value, value * relative};
+  return MeasuredValue{value, value * relative};
 }
 
-JoinedResponsivity JoinResponsivities(const std::vector<Estimate>& independent,
+JoinedResponsivity JoinResponsivities(const std::vector<MeasuredValue>& independent,
                                       double shared_relative) {
   GONIO_CHECK(!independent.empty(), "something to join");
   double weights = 0;
   double weighted = 0;
-  for (const Estimate& e : independent) {
+  for (const MeasuredValue& e : independent) {
     GONIO_CHECK(e.sigma > 0, "a measurement has an uncertainty");
     weights += 1 / Square(e.sigma);
     weighted += e.value / Square(e.sigma);
   }
   JoinedResponsivity joined;
   joined.responsivity.value = weighted / weights;
-  for (const Estimate& e : independent) {
+  for (const MeasuredValue& e : independent) {
     joined.chi_squared += Square((e.value - joined.responsivity.value) / e.sigma);
   }
   joined.degrees_of_freedom = static_cast<int>(independent.size()) - 1;

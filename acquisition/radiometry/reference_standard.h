@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 #include "brdf/brdf.h"
 #include "core/error.h"
 
@@ -50,7 +50,7 @@ class ReferenceStandard {
 
   // f_r and its sigma for one channel: that of a point within `tolerance` [rad] in both angles.
   // kRefused if there is none: a certificate is not extrapolated.
-  Result<Estimate> At(double theta_i, double theta_o, int channel, double tolerance) const;
+  Result<MeasuredValue> At(double theta_i, double theta_o, int channel, double tolerance) const;
 
  private:
   std::string name_;
@@ -59,18 +59,18 @@ class ReferenceStandard {
 
 // R = s / f_r [electrons/s/(1/sr)] of one channel. `relative_noise`: of what `rate` does not
 // include, e.g. the light's long-term drift. kRefused unless rate and f_r are > 0.
-Result<Estimate> ResponsivityFrom(const Estimate& rate, const Estimate& f_r,
-                                  double relative_noise = 0);
+Result<MeasuredValue> ResponsivityFrom(const MeasuredValue& rate, const MeasuredValue& f_r,
+                                       double relative_noise = 0);
 
 // Several measurements of R (poses of one standard) joined: the weighted mean of the parts that
 // differ, plus what they share, the certificate's relative sigma. If they scatter more than their
 // sigmas, the mean's is enlarged by sqrt(chi^2 / dof) (Birge, Phys. Rev. 40, 1932). Not empty.
 struct JoinedResponsivity {
-  Estimate responsivity;
+  MeasuredValue responsivity;
   double chi_squared = 0;
   int degrees_of_freedom = 0;
 };
-JoinedResponsivity JoinResponsivities(const std::vector<Estimate>& independent,
+JoinedResponsivity JoinResponsivities(const std::vector<MeasuredValue>& independent,
                                       double shared_relative);
 
 }  // namespace gonio

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 #include "core/check.h"
 
 namespace gonio {

@@ -5,15 +5,15 @@
 
 namespace gonio {
 
-Result<Estimate> GlareFraction(const Estimate& dark, const Estimate& field) {
+Result<MeasuredValue> GlareFraction(const MeasuredValue& dark, const MeasuredValue& field) {
   if (!(field.value > 0)) return Error{ErrorCode::kRefused, "glare: the field is dark"};
   const double g = dark.value / field.value;
   if (!(g < 0.5)) return Error{ErrorCode::kRefused, "glare: the black patch is as bright"};
-  return Estimate{g, std::hypot(dark.sigma, g * field.sigma) / field.value};
+  return MeasuredValue{g, std::hypot(dark.sigma, g * field.sigma) / field.value};
 }
 
-Result<StrayCorrected> SubtractStrayLight(const Estimate& measured, const Estimate& surround,
-                                          const StrayLight& stray) {
+Result<StrayCorrected> SubtractStrayLight(const MeasuredValue& measured,
+                                          const MeasuredValue& surround, const StrayLight& stray) {
   const double g = stray.glare.value;
   if (!(g < 1)) return Error{ErrorCode::kRefused, "stray light: a glare of 1 leaves no signal"};
   const double left = 1 - g;

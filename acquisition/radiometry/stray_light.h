@@ -12,27 +12,27 @@
 
 #pragma once
 
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 #include "core/error.h"
 
 namespace gonio {
 
 struct StrayLight {
-  Estimate background;   // electrons/s at light 1; same unit as the rates it is taken from
-  Estimate glare{0, 0};  // g, 0 .. 1
+  MeasuredValue background;   // electrons/s at light 1; same unit as the rates it is taken from
+  MeasuredValue glare{0, 0};  // g, 0 .. 1
 };
 
 // g from a black patch in an even field, both after the background is taken off: dark / field.
 // kRefused unless the field is > 0 and g below 1/2. A g below zero within its noise is kept.
-Result<Estimate> GlareFraction(const Estimate& dark, const Estimate& field);
+Result<MeasuredValue> GlareFraction(const MeasuredValue& dark, const MeasuredValue& field);
 
 // The true rate and its whole sigma; `systematic`: the part that background and g contribute, the
 // same in all measurements. kRefused if g.value is not below 1.
 struct StrayCorrected {
-  Estimate rate;
+  MeasuredValue rate;
   double systematic = 0;
 };
-Result<StrayCorrected> SubtractStrayLight(const Estimate& measured, const Estimate& surround,
-                                          const StrayLight& stray);
+Result<StrayCorrected> SubtractStrayLight(const MeasuredValue& measured,
+                                          const MeasuredValue& surround, const StrayLight& stray);
 
 }  // namespace gonio

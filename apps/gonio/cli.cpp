@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "apps/gonio/calibrate_cli.h"
 #include "apps/gonio/commands.h"
 #include "core/error.h"
 
@@ -29,6 +30,8 @@ Action SetUpRun(CLI::App& app) {
   app.add_option("--seed", o->seed, "Of the planner and of the simulated noise")
       ->capture_default_str();
   app.add_option("--prior", o->prior, std::string(kPrior) + " (default: the plan's)");
+  app.add_option("--calibration", o->calibration,
+                 "Folder of calibration files (default: the rig's calibration.folder)");
   app.add_flag("--quiet", o->quiet, "No progress, only the summary");
   return [o] { return RunCommand(*o); };
 }
@@ -236,6 +239,8 @@ struct Command {
 
 constexpr Command kCommands[] = {
     {"run", "Measure a sample: run a session and fit it", SetUpRun},
+    {"calibrate", "One step of calibrating the camera and the instrument, or what there is of it",
+     SetUpCalibrate},
     {"fit", "Fit a table, samples or a session again", SetUpFit},
     {"export", "Write a session, fit or material in other people's formats", SetUpExport},
     {"compare", "How far one reflectance is from another", SetUpCompare},

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,10 +31,28 @@ struct RunOptions {
   std::filesystem::path out;
   int max_poses = 0;  // 0: the plan's
   std::uint64_t seed = 1;
-  std::string prior;  // "none", "generic", a prior file, or empty: the plan's
+  std::string prior;                  // "none", "generic", a prior file, or empty: the plan's
+  std::filesystem::path calibration;  // folder, in place of the rig's
   bool quiet = false;
 };
 int RunCommand(const RunOptions& options);
+
+struct CalibrateOptions {
+  std::string step;  // "darks", "photon-transfer", "flat", "stray-light", "standard"
+  std::string rig = "sim-rig.yaml";
+  std::filesystem::path out;  // folder; empty: the rig's
+  std::string material;       // what a simulated camera has before it; empty: what the step wants
+  std::string standard;       // a reference standard's file
+  std::optional<double> theta_i_deg;
+  std::optional<double> theta_o_deg;
+  int frames = 0;  // 0: the step's own
+  bool again = false;
+  bool keep_frames = false;
+  std::uint64_t seed = 1;
+  bool quiet = false;
+};
+int CalibrateCommand(const CalibrateOptions& options);
+int CalibrateStatusCommand(const CalibrateOptions& options);
 
 struct FitCommandOptions {
   std::filesystem::path input;  // .binary, .bsdf, material .yaml, .csv or a session

@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <ctime>
 #include <stdexcept>
 
+#include "acquisition/calibration/calibrations.h"
 #include "acquisition/event_log.h"
+#include "acquisition/radiometry.h"
 #include "acquisition/session.h"
 #include "acquisition/session_costs.h"
 #include "acquisition/time_estimate.h"
@@ -65,15 +68,36 @@ Setup Prepare(const RunOptions& options) {
     setup.material = OpenAny(setup.material_path);
     WarnIfSeen(setup.plan.prior, setup.material_path.stem().string());
   }
-  setup.planner = MakePlanner(
-      setup.plan, {.reachable = MeasurablePoses(setup.rig.config, setup.SimulatedSample()),
-                   .costs = CostsOn(setup.rig.config),
-                   .noise = NoiseOn(setup.rig.config),
-                   .seed = options.seed});
+  if (!options.calibration.empty()) setup.rig.config.calibration.folder = options.calibration;
   return setup;
 }
 
-SessionInfo Describe(const RunOptions& options, const Setup& setup, const Devices& devices) {
+std::unique_ptr<Planner> PlannerFor(const Setup& setup, std::uint64_t seed) {
+  return MakePlanner(setup.plan,
+                     {.reachable = MeasurablePoses(setup.rig.config, setup.SimulatedSample()),
+                      .costs = CostsOn(setup.rig.config),
+                      .noise = NoiseOn(setup.rig.config),
+                      .seed = seed});
+}
+
+// Those of the rig's folder, for this camera; says which they are.
+Calibrations LoadFor(const RigConfig& rig, const Camera& camera) {
+  const CalibrationPolicy& policy = rig.calibration;
+  if (policy.folder.empty()) return {};
+  const std::int64_t now = std::time(nullptr);
+  Calibrations calibrations = LoadCalibrations(policy, SensorFormatOf(rig, camera), now);
+  fmt::print("calibration      {}\n", AgesOf(calibrations, now));
+  if (!calibrations.responsivity) {
+    fmt::print("                 responsivity is the rig file's: no standard was measured\n");
+  }
+  for (const std::string& old : OldOnes(calibrations, policy, now)) {
+    fmt::print(stderr, "gonio: warning: {}\n", old);
+  }
+  return calibrations;
+}
+
+SessionInfo Describe(const RunOptions& options, const Setup& setup,
+                     const Calibrations& calibrations, const Devices& devices) {
   SessionInfo info;
   info.gonio_version = GONIO_VERSION;
   info.seed = options.seed;
@@ -91,6 +115,9 @@ SessionInfo Describe(const RunOptions& options, const Setup& setup, const Device
   if (setup.material) info.material_path = fs::absolute(setup.material_path).string();
   if (fs::is_regular_file(setup.material_path)) {
     info.material_sha256 = Sha256OfFile(setup.material_path);
+  }
+  for (const CalibrationFile& file : calibrations.files) {
+    info.calibrations[FileNameOf(file.kind)] = file.sha256;
   }
   for (int i = 0; i < kAxes; ++i) info.devices[kAxisNames[i]] = devices.axes[i]->identity();
   info.devices["camera"] = devices.camera->identity();
@@ -168,18 +195,23 @@ int RunCommand(const RunOptions& options) {
     throw ConfigError(options.out.string() +
                       ": exists already; a session never reuses a directory, name another");
   }
-  const Setup setup = Prepare(options);
+  Setup setup = Prepare(options);
   OpenedRig rig = Open(setup, options.seed);
-  EventLog log = EventLog::Create(options.out, Describe(options, setup, rig.devices));
+  const Calibrations calibrations = LoadFor(setup.rig.config, *rig.devices.camera);
+  Believe(calibrations, &setup.rig.config);
+  setup.planner = PlannerFor(setup, options.seed);
+  EventLog log = EventLog::Create(options.out, Describe(options, setup, calibrations, rig.devices));
+  if (!calibrations.empty()) CopyCalibrations(calibrations, options.out / kSessionCalibration);
   if (rig.wires) rig.wires->WriteTo(options.out / kWireLog);
 
   SessionSummary summary;
   {
     const Interrupt interrupt;
     ProgressLine line("measuring", options.quiet);
-    summary = RunSession({setup.rig.config, rig.devices, *rig.clock, *setup.planner, &log}, {},
-                         {.after_pose = interrupt.after_pose(), .now = interrupt.now()},
-                         [&](const Progress& progress) { line.Show(progress); });
+    summary =
+        RunSession({setup.rig.config, rig.devices, *rig.clock, *setup.planner, &log, &calibrations},
+                   {}, {.after_pose = interrupt.after_pose(), .now = interrupt.now()},
+                   [&](const Progress& progress) { line.Show(progress); });
   }
   ReportFault(summary, options.out);
   rig.devices = {};  // stops and switches off: the last words on their wires

@@ -117,10 +117,10 @@ TEST(Responsivity, IsFoundWithinItsError) {
   Random random(1, 1);
   for (int i = 0; i < 2000; ++i) {
     const double certificate = 1 + 0.01 * random.Normal();  // one error for all poses
-    std::vector<Estimate> independent;
+    std::vector<MeasuredValue> independent;
     for (int pose = 0; pose < 6; ++pose) {
       const double f_r = 0.25 + 0.02 * pose;
-      const Estimate rate{5e4 * f_r * (1 + 0.005 * random.Normal()), 5e4 * f_r * 0.005};
+      const MeasuredValue rate{5e4 * f_r * (1 + 0.005 * random.Normal()), 5e4 * f_r * 0.005};
       const auto r = ResponsivityFrom(rate, {f_r * certificate, 0.01 * f_r * certificate});
       ASSERT_TRUE(r.ok());
       if (pose == 0) single.Add((r->value - 5e4) / r->sigma);
@@ -144,7 +144,7 @@ TEST(StrayLight, IsTakenOffWithinItsError) {
     const StrayLight stray{.background = {40 + 2 * random.Normal(), 2},
                            .glare = *GlareFraction({100 + 4 * random.Normal(), 4}, {5000, 0})};
     const double truth = 800;
-    const Estimate measured{0.98 * truth + 0.02 * 3000 + 40 + 3 * random.Normal(), 3};
+    const MeasuredValue measured{0.98 * truth + 0.02 * 3000 + 40 + 3 * random.Normal(), 3};
     const auto found = SubtractStrayLight(measured, {3000, 0}, stray);
     ASSERT_TRUE(found.ok());
     EXPECT_LT(found->systematic, found->rate.sigma);

@@ -53,7 +53,7 @@ TEST(EventLog, KeepsAPoseAndItsSampleToTheLastBit) {
   const TempDir dir;
   EventLog log = EventLog::Create(dir / "s", SomeInfo());
   ASSERT_TRUE(log.AppendPose(SomeNote(1), SomeRecord()).ok());
-  ASSERT_TRUE(log.AppendSamples(1, {SomeSample()}).ok());
+  ASSERT_TRUE(log.AppendSamples(1, Seconds(1), {{SomeSample(), {}}}).ok());
 
   const SessionRecord session = ReadSession(dir / "s");
   ASSERT_EQ(session.poses.size(), 1u);
@@ -98,7 +98,7 @@ TEST(EventLog, RefusesToChangeOrDeleteAnything) {
   const TempDir dir;
   EventLog log = EventLog::Create(dir / "s", SomeInfo());
   ASSERT_TRUE(log.AppendPose(SomeNote(1), SomeRecord()).ok());
-  ASSERT_TRUE(log.AppendSamples(1, {SomeSample()}).ok());
+  ASSERT_TRUE(log.AppendSamples(1, Seconds(1), {{SomeSample(), {}}}).ok());
   sqlite::Database db(log.file(), SQLITE_OPEN_READWRITE);
   for (const char* sql :
        {"UPDATE events SET kind = 'x'", "DELETE FROM events", "UPDATE poses SET score = 1",
@@ -115,7 +115,7 @@ TEST(EventLog, RefusesToChangeOrDeleteAnything) {
 TEST(EventLog, RefusesASampleWithoutItsRawRecord) {
   const TempDir dir;
   EventLog log = EventLog::Create(dir / "s", SomeInfo());
-  const Result<void> appended = log.AppendSamples(1, {SomeSample()});
+  const Result<void> appended = log.AppendSamples(1, Seconds(1), {{SomeSample(), {}}});
   ASSERT_FALSE(appended.ok());
   EXPECT_EQ(appended.error().code, ErrorCode::kStorage);
   EXPECT_THAT(appended.error().message, HasSubstr("FOREIGN KEY"));
@@ -155,7 +155,7 @@ TEST(EventLog, KeepsWhatItHasWhenTheDiskIsFull) {
   const TempDir dir;
   EventLog log = EventLog::Create(dir / "s", SomeInfo());
   ASSERT_TRUE(log.AppendPose(SomeNote(1), SomeRecord()).ok());
-  ASSERT_TRUE(log.AppendSamples(1, {SomeSample()}).ok());
+  ASSERT_TRUE(log.AppendSamples(1, Seconds(1), {{SomeSample(), {}}}).ok());
   PoseRecord large = SomeRecord();
   large.exposures[0].frame.counts.resize(1 << 20);
   {
@@ -168,7 +168,7 @@ TEST(EventLog, KeepsWhatItHasWhenTheDiskIsFull) {
   EXPECT_EQ(ReadSession(dir / "s").poses.size(), 1u);
   // Nothing of the failed pose is in the way of the same pose once there is room again.
   ASSERT_TRUE(log.AppendPose(SomeNote(2), large).ok());
-  ASSERT_TRUE(log.AppendSamples(2, {SomeSample()}).ok());
+  ASSERT_TRUE(log.AppendSamples(2, Seconds(1), {{SomeSample(), {}}}).ok());
   EXPECT_EQ(ReadSession(dir / "s").poses.size(), 2u);
 }
 
@@ -179,7 +179,7 @@ TEST(EventLog, SurvivesBeingKilled) {
     EventLog log = EventLog::Create(dir / "s", SomeInfo());
     for (int pose = 1; pose <= 3; ++pose) {
       if (!log.AppendPose(SomeNote(pose), SomeRecord()).ok()) _exit(1);
-      if (!log.AppendSamples(pose, {SomeSample()}).ok()) _exit(1);
+      if (!log.AppendSamples(pose, Seconds(1), {{SomeSample(), {}}}).ok()) _exit(1);
     }
     kill(getpid(), SIGKILL);
   }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "acquisition/radiometry/estimate.h"
+#include "acquisition/radiometry/measured_value.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace gonio {
 
-double Estimate::relative() const {
+double MeasuredValue::relative() const {
   return value == 0 ? std::numeric_limits<double>::infinity() : sigma / std::abs(value);
 }
 

@@ -10,7 +10,7 @@
 namespace gonio {
 
 // A value and its standard uncertainty (JCGM 100:2008, GUM, 2.3.1), in the same unit.
-struct Estimate {
+struct MeasuredValue {
   double value = 0;
   double sigma = 0;  // >= 0
 
@@ -20,8 +20,8 @@ struct Estimate {
 
 // y = intercept + slope x, by weighted least squares.
 struct LineFit {
-  Estimate intercept;
-  Estimate slope;
+  MeasuredValue intercept;
+  MeasuredValue slope;
   double covariance = 0;   // of the two
   double chi_squared = 0;  // expected: degrees_of_freedom
   int degrees_of_freedom = 0;

@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/calibration/calibration_status.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "acquisition/radiometry/calibration_products.h"
+#include "acquisition/radiometry/measured_value.h"
+#include "core/error.h"
+
+namespace gonio {
+namespace {
+
+std::string Text(const MeasuredValue& e) {
+  return fmt::format("{:.4g} +- {:.2g}", e.value, e.sigma);
+}
+
+std::string Numbers(const DarkLibrary& dark) {
+  std::string text =
+      fmt::format("noise {:.3f} counts, {:.4g} counts/s",
+                  std::sqrt(dark.fits.front().read_variance), Median(dark.fits.front().rate));
+  if (dark.fits.size() > 1) text += fmt::format(", {} temperatures", dark.fits.size());
+  return text;
+}
+
+std::string Numbers(const SensorCalibration& sensor) {
+  return fmt::format("gain {} e/count, read noise {} e, full well {} e, {}", Text(sensor.gain),
+                     Text(sensor.read_noise), Text(sensor.full_well),
+                     sensor.linearity.is_identity() ? "linear" : "linearity corrected");
+}
+
+std::string Numbers(const BadPixels& bad) {
+  return fmt::format("{} hot, {} noisy, {} dead", bad.hot, bad.noisy, bad.dead);
+}
+
+std::string Numbers(const FlatField& flat) {
+  const RobustSpread spread = RobustSpreadOf(flat.response);
+  return fmt::format("pattern {:.2f} %", 100 * spread.sigma);
+}
+
+std::string Numbers(const StrayLights& stray) {
+  return fmt::format("background {}, {}, {} e/s", Text(stray[0].background),
+                     Text(stray[1].background), Text(stray[2].background));
+}
+
+std::string Numbers(const Responsivity& r) {
+  return fmt::format("{}, {}, {} e/s/(1/sr) by {}", Text(r.responsivity[0]),
+                     Text(r.responsivity[1]), Text(r.responsivity[2]), r.standard);
+}
+
+std::string NumbersOf(CalibrationKind kind, const std::filesystem::path& path,
+                      const CalibrationDemand& demand) {
+  switch (kind) {
+    case CalibrationKind::kDark:
+      return Numbers(ReadDark(path, demand));
+    case CalibrationKind::kPhotonTransfer:
+      return Numbers(ReadSensor(path, demand));
+    case CalibrationKind::kBadPixels:
+      return Numbers(ReadBadPixels(path, demand));
+    case CalibrationKind::kFlatField:
+      return Numbers(ReadFlatField(path, demand));
+    case CalibrationKind::kStrayLight:
+      return Numbers(ReadStrayLight(path, demand));
+    case CalibrationKind::kResponsivity:
+      return Numbers(ReadResponsivity(path, demand));
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<CalibrationStatus> StatusOf(const CalibrationPolicy& policy, std::int64_t now) {
+  std::vector<CalibrationStatus> all;
+  for (const CalibrationKind kind : kCalibrationKinds) {
+    CalibrationStatus& status = all.emplace_back();
+    status.kind = kind;
+    const std::filesystem::path path = policy.folder / FileNameOf(kind);
+    if (!std::filesystem::exists(path)) continue;
+    try {
+      status.header = ReadCalibrationHeader(path);
+      CalibrationDemand demand;
+      demand.format = status.header->format;  // whatever camera it is for
+      demand.now = now;
+      status.old = static_cast<double>(now - status.header->created) > policy.max_age;
+      status.numbers = NumbersOf(kind, path, demand);
+    } catch (const ConfigError& e) {
+      status.problem = e.what();
+    }
+  }
+  return all;
+}
+
+}  // namespace gonio

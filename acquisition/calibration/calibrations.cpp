@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/calibration/calibrations.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/sha256.h"
+
+namespace gonio {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDay = 86400;
+
+double AgeOf(const CalibrationFile& file, std::int64_t now) {
+  return static_cast<double>(now - file.created);
+}
+
+void ReadProduct(const CalibrationFile& file, const CalibrationDemand& demand,
+                 Calibrations* calibrations) {
+  switch (file.kind) {
+    case CalibrationKind::kDark:
+      calibrations->dark = ReadDark(file.path, demand);
+      return;
+    case CalibrationKind::kPhotonTransfer:
+      calibrations->sensor = ReadSensor(file.path, demand);
+      return;
+    case CalibrationKind::kBadPixels:
+      calibrations->bad_pixels = ReadBadPixels(file.path, demand);
+      return;
+    case CalibrationKind::kFlatField:
+      calibrations->flat = ReadFlatField(file.path, demand);
+      return;
+    case CalibrationKind::kStrayLight:
+      calibrations->stray = ReadStrayLight(file.path, demand);
+      return;
+    case CalibrationKind::kResponsivity:
+      calibrations->responsivity = ReadResponsivity(file.path, demand);
+      return;
+  }
+}
+
+void RefuseMissing(const CalibrationPolicy& policy) {
+  if (!fs::is_directory(policy.folder)) {
+    throw ConfigError(fmt::format("{}: no such folder of calibrations; {} begins one",
+                                  policy.folder.string(), CommandFor(CalibrationKind::kDark)));
+  }
+  for (const CalibrationKind kind : policy.required) {
+    if (fs::exists(policy.folder / FileNameOf(kind))) continue;
+    throw ConfigError(fmt::format("{}: has no {}, which calibration.required names; {} makes it",
+                                  policy.folder.string(), FileNameOf(kind), CommandFor(kind)));
+  }
+}
+
+std::string TooOld(const CalibrationFile& file, const CalibrationPolicy& policy, std::int64_t now) {
+  return fmt::format("{}: is {:.1f} days old, calibration.max_age_days is {:.1f}; {} renews it",
+                     file.path.string(), AgeOf(file, now) / kDay, policy.max_age / kDay,
+                     CommandFor(file.kind));
+}
+
+void CopyFile(const fs::path& from, const fs::path& folder, const std::string& sha256) {
+  const std::string bytes = ReadTextFile(from);
+  if (!sha256.empty() && Sha256(bytes) != sha256) {
+    throw ConfigError(from.string() + ": was changed while the session began");
+  }
+  WriteFileAtomically(folder / from.filename(), [&](std::ostream& out) { out << bytes; });
+}
+
+}  // namespace
+
+Calibrations LoadCalibrations(const CalibrationPolicy& policy, const SensorFormat& format,
+                              std::int64_t now) {
+  RefuseMissing(policy);
+  Calibrations calibrations;
+  calibrations.format = format;
+  CalibrationDemand demand;
+  demand.format = format;
+  demand.now = now;
+  for (const CalibrationKind kind : kCalibrationKinds) {
+    CalibrationFile file{kind, policy.folder / FileNameOf(kind), "", 0, {}};
+    if (!fs::exists(file.path)) continue;
+    file.sha256 = Sha256OfFile(file.path);
+    const CalibrationHeader header = ReadCalibrationHeader(file.path);
+    file.created = header.created;
+    for (const std::string& image : header.image_files)
+      file.images.push_back(policy.folder / image);
+    ReadProduct(file, demand, &calibrations);
+    if (policy.refuse_old && AgeOf(file, now) > policy.max_age) {
+      throw ConfigError(TooOld(file, policy, now));
+    }
+    calibrations.files.push_back(std::move(file));
+  }
+  return calibrations;
+}
+
+std::string AgesOf(const Calibrations& calibrations, std::int64_t now) {
+  std::vector<std::string> ages;
+  for (const CalibrationFile& file : calibrations.files) {
+    ages.push_back(fmt::format("{} {:.1f} days", ToString(file.kind), AgeOf(file, now) / kDay));
+  }
+  return ages.empty() ? "none" : fmt::format("{}", fmt::join(ages, ", "));
+}
+
+std::vector<std::string> OldOnes(const Calibrations& calibrations, const CalibrationPolicy& policy,
+                                 std::int64_t now) {
+  std::vector<std::string> old;
+  for (const CalibrationFile& file : calibrations.files) {
+    if (AgeOf(file, now) > policy.max_age) old.push_back(TooOld(file, policy, now));
+  }
+  return old;
+}
+
+void CopyCalibrations(const Calibrations& calibrations, const std::filesystem::path& folder) {
+  fs::create_directories(folder);
+  for (const CalibrationFile& file : calibrations.files) {
+    // Images first: whoever finds the YAML finds what it names. Their digests stand in it.
+    for (const fs::path& image : file.images) CopyFile(image, folder, "");
+    CopyFile(file.path, folder, file.sha256);
+  }
+}
+
+}  // namespace gonio

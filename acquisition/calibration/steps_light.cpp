@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: Apache-2.0
+// Stray light and the standard: what is the instrument's as a whole.
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "acquisition/calibration/step_frames.h"
+#include "acquisition/radiometry/reference_standard.h"
+#include "acquisition/region_rates.h"
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+constexpr int kStrayFrames = 16;
+constexpr int kStandardFrames = 8;
+// A certificate's point is met where the encoders are this near.
+constexpr double kTolerance = RadFromDeg(0.5);
+
+// The frames as those of a pose, for the reduction that sessions have.
+PoseRecord RecordOf(const StepFrames& step, const Calibrations& calibrations,
+                    const std::vector<StoredFrame>& frames) {
+  PoseRecord record;
+  record.readback = step.readback();
+  record.regions = step.regions();
+  if (calibrations.bad_pixels) {
+    LeaveOut(calibrations.bad_pixels->mask, CountsPerPixel(step.format().layout), &record.regions);
+  }
+  for (const StoredFrame& stored : frames) {
+    Exposure exposure;
+    exposure.frame = stored.frame;
+    exposure.monitor = stored.monitor;
+    record.exposures.push_back(std::move(exposure));
+  }
+  return record;
+}
+
+Result<RegionRates> RatesOf(const StepFrames& step, const Calibrations& calibrations,
+                            const PoseRecord& record) {
+  if (record.regions.empty()) return Error{ErrorCode::kRefused, "no good pixel sees the sample"};
+  const auto rates = MeasureRates(record, step.rig(), calibrations);
+  if (!rates) return rates.error();
+  for (const RegionRate& rate : rates->front()) {
+    if (!rate.measured) return Error{ErrorCode::kRefused, "a channel is saturated in every frame"};
+  }
+  return rates->front();
+}
+
+// The standard in one pose: rate per f_r of each channel, by what differs from pose to pose.
+struct StandardReading {
+  std::array<MeasuredValue, kChannels> independent;
+  std::array<double, kChannels> shared{};  // relative: certificate, flat, darks, ...
+};
+
+Result<StandardReading> ReadStandard(const StepFrames& step, const Calibrations& calibrations,
+                                     const std::vector<StoredFrame>& frames,
+                                     const ReferenceStandard& standard,
+                                     const StandardPoint& point) {
+  const auto rates = RatesOf(step, calibrations, RecordOf(step, calibrations, frames));
+  if (!rates) return rates.error();
+  StandardReading reading;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    const RegionRate& rate = (*rates)[c];
+    const auto f_r = standard.At(point.theta_i, point.theta_o, static_cast<int>(c), kTolerance);
+    if (!f_r) return f_r.error();
+    const auto one = ResponsivityFrom({rate.rate, rate.random()}, {f_r->value, 0});
+    if (!one) return one.error();
+    reading.independent[c] = *one;
+    reading.shared[c] = std::hypot(f_r->relative(), rate.systematic() / rate.rate);
+  }
+  return reading;
+}
+
+// The certificate's points to measure: the one that the options name, or all in reach.
+std::vector<StandardPoint> PointsOf(const ReferenceStandard& standard, const StepFrames& step) {
+  const StepOptions& options = step.options();
+  const Kinematics kinematics(step.rig());
+  std::vector<StandardPoint> points;
+  for (const StandardPoint& point : standard.points()) {
+    const bool wanted =
+        (!options.theta_i || std::abs(point.theta_i - *options.theta_i) < kTolerance) &&
+        (!options.theta_o || std::abs(point.theta_o - *options.theta_o) < kTolerance);
+    if (wanted && kinematics.Reachable(PairInPlane(point.theta_i, point.theta_o))) {
+      points.push_back(point);
+    }
+  }
+  return points;
+}
+
+std::string PartOf(const StandardPoint& point) {
+  return fmt::format("at-{:.1f}-{:.1f}", DegFromRad(point.theta_i), DegFromRad(point.theta_o));
+}
+
+// All channels of all poses.
+Responsivity JoinReadings(const std::vector<StandardReading>& readings, const std::string& name,
+                          std::vector<std::string>* lines) {
+  Responsivity result;
+  result.standard = name;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    std::vector<MeasuredValue> independent;
+    double shared = 0;
+    for (const StandardReading& reading : readings) {
+      independent.push_back(reading.independent[c]);
+      shared = std::max(shared, reading.shared[c]);
+    }
+    const JoinedResponsivity joined = JoinResponsivities(independent, shared);
+    result.responsivity[c] = joined.responsivity;
+    lines->push_back(fmt::format(
+        "responsivity     {:<5} {:.5g} +- {:.2g} electrons/s/(1/sr); poses: chi^2 {:.1f} of {}",
+        kChannelNames[c], joined.responsivity.value, joined.responsivity.sigma, joined.chi_squared,
+        joined.degrees_of_freedom));
+  }
+  return result;
+}
+
+}  // namespace
+
+Result<StepReport> CalibrateStrayLight(const StepParts& parts, const StepOptions& options) {
+  StepFrames step(parts, options, "stray-light");
+  Calibrations earlier = step.Earlier(
+      {CalibrationKind::kDark, CalibrationKind::kPhotonTransfer, CalibrationKind::kFlatField});
+  earlier.stray.reset();  // what is measured is not taken off before
+  if (auto there = step.GoTo(step.Pose()); !there) return there.error();
+  const int times = options.frames > 0 ? options.frames : kStrayFrames;
+  const auto choose = [&]() -> Result<std::vector<double>> {
+    const auto exposure = step.Meter(parts.rig.exposure.target_fraction);
+    if (!exposure) return exposure.error();
+    const double limit =
+        std::max(parts.rig.exposure.soft_limit.count(), parts.rig.camera.min_exposure.count());
+    return Repeated({std::min(*exposure, limit)}, times);
+  };
+  const auto frames = step.Take(true, "", choose);
+  if (!frames) return frames.error();
+  const PoseRecord record = RecordOf(step, earlier, *frames);
+  const auto rates = RatesOf(step, earlier, record);
+  if (!rates) return rates.error();
+  StepReport report;
+  StrayLights stray;
+  const double light = record.regions.front().light;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    const RegionRate& rate = (*rates)[c];
+    stray[c].background = {rate.rate * light, light * std::hypot(rate.random(), rate.systematic())};
+    report.lines.push_back(fmt::format("background       {:<5} {:.4g} +- {:.2g} electrons/s",
+                                       kChannelNames[c], stray[c].background.value,
+                                       stray[c].background.sigma));
+  }
+  report.files = {step.FileOf(CalibrationKind::kStrayLight)};
+  WriteStrayLight(report.files[0], step.Stamp(*frames), stray);
+  step.Finish();
+  return report;
+}
+
+Result<StepReport> CalibrateStandard(const StepParts& parts, const StepOptions& options) {
+  if (options.standard.empty()) throw ConfigError("the standard's file is needed: --standard");
+  const ReferenceStandard standard = ReferenceStandard::Load(options.standard);
+  StepFrames step(parts, options, "standard");
+  const Calibrations earlier = step.Earlier(
+      {CalibrationKind::kDark, CalibrationKind::kPhotonTransfer, CalibrationKind::kFlatField});
+  const std::vector<StandardPoint> points = PointsOf(standard, step);
+  if (points.empty()) {
+    return Error{ErrorCode::kRefused,
+                 options.standard.string() + ": has no such point in reach of the arms"};
+  }
+  const int times = options.frames > 0 ? options.frames : kStandardFrames;
+  const auto choose = [&]() -> Result<std::vector<double>> {
+    const auto exposure = step.Meter(parts.rig.exposure.target_fraction);
+    if (!exposure) return exposure.error();
+    return Repeated({*exposure}, times);
+  };
+  StepReport report;
+  std::vector<StandardReading> readings;
+  std::vector<StoredFrame> last;
+  for (const StandardPoint& point : points) {
+    if (auto there = step.GoTo(PairInPlane(point.theta_i, point.theta_o)); !there) {
+      return there.error();
+    }
+    auto frames = step.Take(true, PartOf(point), choose);
+    if (!frames) return frames.error();
+    auto reading = ReadStandard(step, earlier, *frames, standard, point);
+    if (!reading) return reading.error();
+    readings.push_back(std::move(reading).value());
+    last = std::move(frames).value();
+  }
+  report.lines = {fmt::format("standard         {}, {} poses{}", standard.name(), points.size(),
+                              earlier.stray ? "" : "; no stray light taken off")};
+  const Responsivity responsivity = JoinReadings(readings, standard.name(), &report.lines);
+  report.files = {step.FileOf(CalibrationKind::kResponsivity)};
+  WriteResponsivity(report.files[0], step.Stamp(last), responsivity);
+  step.Finish();
+  return report;
+}
+
+}  // namespace gonio

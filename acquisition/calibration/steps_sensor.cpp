@@ -1,0 +1,260 @@
+// SPDX-License-Identifier: Apache-2.0
+// Darks, photon transfer, flat: what is the sensor's own.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "acquisition/calibration/step_frames.h"
+#include "acquisition/exposure.h"
+#include "acquisition/radiometry/photon_transfer.h"
+#include "acquisition/region_rates.h"
+
+namespace gonio {
+namespace {
+
+constexpr int kDarkFrames = 16;
+constexpr int kTransferFrames = 8;
+constexpr int kFlatFrames = 16;
+
+std::string BadPixelsLine(const BadPixels& bad) {
+  return fmt::format("bad sites        {:.3f} %: {} hot, {} noisy, {} dead", 100 * bad.fraction(),
+                     bad.hot, bad.noisy, bad.dead);
+}
+
+// Of full scale, for the brightest channel; the last ones for the channels that are dimmer.
+std::vector<double> TransferLevels() {
+  std::vector<double> levels = {0.01, 0.02, 0.04, 0.07};
+  for (double level = 0.1; level < 1.001; level += 0.05) levels.push_back(level);
+  for (const double level : {1.15, 1.4, 1.8}) levels.push_back(level);
+  return levels;
+}
+
+std::vector<FlatPair> PairsOf(std::vector<StoredFrame> frames) {
+  std::vector<FlatPair> pairs;
+  for (std::size_t i = 0; i + 1 < frames.size(); i += 2) {
+    pairs.push_back({std::move(frames[i].frame), std::move(frames[i + 1].frame), frames[i].monitor,
+                     frames[i + 1].monitor});
+  }
+  return pairs;
+}
+
+// The points of one exposure and channel as one, whose light is their mean.
+std::vector<TransferPoint> Joined(const std::vector<TransferPoint>& points, int channel) {
+  std::map<double, std::vector<TransferPoint>> levels;
+  for (const TransferPoint& point : points) {
+    if (point.channel == channel) levels[point.exposure].push_back(point);
+  }
+  std::vector<TransferPoint> joined;
+  for (const auto& [exposure, level] : levels) {
+    TransferPoint mean = level.front();
+    const auto n = static_cast<double>(level.size());
+    mean.mean = mean.monitor = 0;
+    for (const TransferPoint& point : level) {
+      mean.mean += point.mean / n;
+      mean.monitor += point.monitor / n;
+      mean.clipped = std::max(mean.clipped, point.clipped);
+    }
+    mean.mean_sigma /= std::sqrt(n);
+    joined.push_back(mean);
+  }
+  return joined;
+}
+
+double MeanRate(const DarkLibrary& dark) {
+  double sum = 0;
+  for (const float rate : dark.fits.front().rate) sum += rate;
+  return sum / static_cast<double>(dark.fits.front().rate.size());
+}
+
+// The channel that most light reaches: it sees the whole range.
+int Brightest(const PhotonTransfer& transfer) {
+  std::array<double, kChannels> means{};
+  for (const TransferPoint& point : transfer.points) {
+    if (point.used) means[static_cast<std::size_t>(point.channel)] += point.mean / point.exposure;
+  }
+  return static_cast<int>(std::max_element(means.begin(), means.end()) - means.begin());
+}
+
+// How much less light than in the middle each pixel's part of the tile gets, so that the flat is of
+// the camera alone. All 1 where pixels do not have their own directions.
+std::vector<float> LightOnPixels(const RigConfig& rig, const ArmAngles& arms) {
+  const auto pixels = static_cast<std::size_t>(rig.camera.width) * rig.camera.height;
+  std::vector<float> lights(pixels, 1.0F);
+  if (!rig.imaging.resolves_directions()) return lights;
+  Imaging wide = rig.imaging;
+  wide.patch_radius = 0.99 * std::min(wide.camera_distance, wide.light_distance);
+  const auto regions =
+      RegionsOf(wide, arms, rig.camera.width, rig.camera.height, rig.geometry.max_polar);
+  for (const ImageRegion& region : regions) {
+    for (std::size_t i = 0; i < region.pixels.size() && !region.lights.empty(); ++i) {
+      lights[region.pixels[i]] = region.lights[i];
+    }
+  }
+  return lights;
+}
+
+Result<FlatField> FlatOf(const RigConfig& rig, const Calibrations& calibrations,
+                         const std::vector<StoredFrame>& frames, const std::vector<float>& lights) {
+  const SensorModel sensor = SensorModelOf(rig, calibrations);
+  const auto per_pixel = static_cast<std::size_t>(CountsPerPixel(sensor.format.layout));
+  std::vector<CorrectedFrame> corrected;
+  for (const StoredFrame& stored : frames) {
+    const auto dark = DarkOf(rig, calibrations, stored.frame);
+    if (!dark) return dark.error();
+    auto frame = Correct(sensor, stored.frame, stored.monitor, &*dark);
+    if (!frame) return frame.error();
+    for (std::size_t i = 0; i < frame->electrons.size(); ++i) {
+      frame->electrons[i] /= lights[i / per_pixel];
+    }
+    corrected.push_back(std::move(frame).value());
+  }
+  return MeasureFlatField(corrected);
+}
+
+// Relative standard deviation of the response over the good sites, and the share that its own noise
+// has in it.
+std::pair<double, double> SpreadOf(const FlatField& flat) {
+  double sum = 0, squares = 0, noise = 0, n = 0;
+  for (std::size_t i = 0; i < flat.response.size(); ++i) {
+    if (!std::isfinite(flat.sigma[i])) continue;
+    sum += flat.response[i];
+    squares += double{flat.response[i]} * flat.response[i];
+    noise += double{flat.sigma[i]} * flat.sigma[i];
+    n += 1;
+  }
+  const double mean = sum / n;
+  return {std::sqrt(std::max(0.0, squares / n - mean * mean - noise / n)), std::sqrt(noise / n)};
+}
+
+}  // namespace
+
+Result<StepReport> CalibrateDarks(const StepParts& parts, const StepOptions& options) {
+  StepFrames step(parts, options, "darks");
+  const RigConfig& rig = parts.rig;
+  if (auto off = parts.devices.light->SetLevel(0); !off) return off.error();
+  const int times = options.frames > 0 ? options.frames : kDarkFrames;
+  const auto choose = [&]() -> Result<std::vector<double>> {
+    const double longest = rig.camera.max_exposure.count();
+    return Repeated({rig.camera.min_exposure.count(), longest / 10, longest}, times);
+  };
+  const auto frames = step.Take(false, "", choose);
+  if (!frames) return frames.error();
+  std::vector<Frame> raw;
+  for (const StoredFrame& stored : *frames) raw.push_back(stored.frame);
+  const auto library =
+      MeasureDark(step.format(), raw, rig.radiometry.electrons_per_count, options.now);
+  if (!library) return library.error();
+  const BadPixels bad = FindBadPixels(step.format(), library->fits.front(), {});
+  StepReport report;
+  report.files = {step.FileOf(CalibrationKind::kBadPixels), step.FileOf(CalibrationKind::kDark)};
+  WriteBadPixels(report.files[0], step.Stamp(*frames), bad);
+  WriteDark(report.files[1], *library);
+  step.Finish();
+  for (const DarkFit& fit : library->fits) {
+    report.lines.push_back(fmt::format(
+        "darks            {} levels to {:.4g} s{}, noise {:.3f} counts", fit.levels.size(),
+        fit.levels.back().exposure,
+        frames->front().frame.temperature_c ? fmt::format(" at {:.1f} C", fit.temperature_c) : "",
+        std::sqrt(fit.read_variance)));
+  }
+  report.lines.push_back(
+      fmt::format("dark current     {:.4g} counts/s on average", MeanRate(*library)));
+  report.lines.push_back(BadPixelsLine(bad));
+  return report;
+}
+
+Result<StepReport> CalibratePhotonTransfer(const StepParts& parts, const StepOptions& options) {
+  StepFrames step(parts, options, "photon-transfer");
+  const Calibrations earlier = step.Earlier({CalibrationKind::kDark, CalibrationKind::kBadPixels});
+  if (auto there = step.GoTo(step.Pose()); !there) return there.error();
+  const RigConfig& rig = parts.rig;
+  const int times = options.frames > 0 ? options.frames + options.frames % 2 : kTransferFrames;
+  const auto choose = [&]() -> Result<std::vector<double>> {
+    const auto half = step.Meter(0.5);
+    if (!half) return half.error();
+    std::vector<double> exposures;
+    for (const double level : TransferLevels()) {
+      const double exposure = std::clamp(level / 0.5 * *half, rig.camera.min_exposure.count(),
+                                         rig.camera.max_exposure.count());
+      if (exposures.empty() || exposure > exposures.back()) exposures.push_back(exposure);
+    }
+    return Repeated(exposures, times);
+  };
+  auto frames = step.Take(true, "", choose);
+  if (!frames) return frames.error();
+  const CalibrationStamp stamp = step.Stamp(*frames);
+  TransferOptions transfer_options;
+  transfer_options.bad = earlier.bad_pixels->mask;
+  const auto transfer =
+      MeasurePhotonTransfer(step.format(), PairsOf(std::move(frames).value()), transfer_options);
+  if (!transfer) return transfer.error();
+  LinearityOptions linear;
+  linear.channel = Brightest(*transfer);
+  linear.dark_rate = MeanRate(*earlier.dark);
+  linear.light_noise =
+      std::hypot(rig.radiometry.multiplicative_noise, rig.radiometry.monitor_noise) /
+      std::sqrt(times / 2.0);
+  linear.min_counts = 0.01 * step.format().full_scale;
+  const auto line = MeasureLinearity(Joined(transfer->points, linear.channel), linear);
+  if (!line) return line.error();
+  SensorCalibration sensor{transfer->gain, transfer->read_noise, transfer->full_well,
+                           Linearity::Identity(step.format().full_scale)};
+  if (line->significant) sensor.linearity = line->table;
+  StepReport report;
+  report.files = {step.FileOf(CalibrationKind::kPhotonTransfer)};
+  WriteSensor(report.files[0], stamp, sensor);
+  step.Finish();
+  report.lines = {
+      fmt::format("gain             {:.4g} +- {:.2g} electrons/count", sensor.gain.value,
+                  sensor.gain.sigma),
+      fmt::format("read noise       {:.4g} +- {:.2g} electrons{}", sensor.read_noise.value,
+                  sensor.read_noise.sigma,
+                  transfer->read_noise_hidden ? ", an upper limit: rounding hides it" : ""),
+      fmt::format("full well        {}{:.5g} +- {:.2g} electrons{}",
+                  transfer->full_well_reached ? "" : "at least ", sensor.full_well.value,
+                  sensor.full_well.sigma,
+                  transfer->full_well_is_full_scale ? ", where the converter ends" : ""),
+      fmt::format("linearity        {:.2f} +- {:.2f} % off at most: {}", 100 * line->max_residual,
+                  100 * line->max_residual_sigma,
+                  line->significant ? "corrected" : "not significant, not corrected")};
+  return report;
+}
+
+Result<StepReport> CalibrateFlat(const StepParts& parts, const StepOptions& options) {
+  StepFrames step(parts, options, "flat");
+  Calibrations earlier = step.Earlier(
+      {CalibrationKind::kDark, CalibrationKind::kBadPixels, CalibrationKind::kPhotonTransfer});
+  if (auto there = step.GoTo(step.Pose()); !there) return there.error();
+  const int times = options.frames > 0 ? options.frames : kFlatFrames;
+  const auto choose = [&]() -> Result<std::vector<double>> {
+    const auto exposure = step.Meter(parts.rig.exposure.target_fraction);
+    if (!exposure) return exposure.error();
+    return Repeated({*exposure}, times);
+  };
+  const auto frames = step.Take(true, "", choose);
+  if (!frames) return frames.error();
+  const std::vector<float> lights = LightOnPixels(parts.rig, step.readback());
+  // Dead sites show in the flat only, and spoil the mean that all are compared with: twice.
+  auto flat = FlatOf(parts.rig, earlier, *frames, lights);
+  if (!flat) return flat.error();
+  earlier.bad_pixels = FindBadPixels(step.format(), earlier.dark->fits.front(), flat->response);
+  flat = FlatOf(parts.rig, earlier, *frames, lights);
+  if (!flat) return flat.error();
+  StepReport report;
+  report.files = {step.FileOf(CalibrationKind::kBadPixels),
+                  step.FileOf(CalibrationKind::kFlatField)};
+  WriteBadPixels(report.files[0], step.Stamp(*frames), *earlier.bad_pixels);
+  WriteFlatField(report.files[1], step.Stamp(*frames), *flat);
+  step.Finish();
+  const auto [spread, noise] = SpreadOf(*flat);
+  report.lines = {fmt::format("pattern          {:.2f} % from site to site, known to {:.2f} % each",
+                              100 * spread, 100 * noise),
+                  BadPixelsLine(*earlier.bad_pixels)};
+  return report;
+}
+
+}  // namespace gonio

@@ -1,0 +1,295 @@
+// SPDX-License-Identifier: Apache-2.0
+// How true f_r is: calibrated simulated cameras against what they look at. Tables on standard
+// output.
+//
+//   gonio_radiometric_truth [CALIBRATIONS [POSES]]
+//
+// Every calibration is all five steps anew, on the camera of configs/sim-imperfect.yaml with noise
+// of its own (seed = its number), then POSES measurements of each sample (seeds 1000 x calibration
+// + number). TMPDIR on a disk in memory makes it quick: the steps write through to the disk.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <functional>
+#include <vector>
+
+#include "acquisition/calibration/steps.h"
+#include "acquisition/measure.h"
+#include "acquisition/radiometry.h"
+#include "brdf/open.h"
+#include "core/units.h"
+#include "sim/sim_rig.h"
+#include "tests/core/temp_dir.h"
+
+namespace gonio {
+namespace {
+
+constexpr std::int64_t kToday = 1'700'000'000;
+const std::string kConfigs = std::string(GONIO_SOURCE_DIR) + "/configs/";
+
+class EvenBrdf final : public Brdf {
+ public:
+  explicit EvenBrdf(double f_r) : f_r_(Rgb::Constant(f_r)) {}
+  std::optional<Rgb> Eval(const HalfDiff&) const override { return f_r_; }
+  std::string name() const override { return "even"; }
+
+ private:
+  const Rgb f_r_;
+};
+
+// A simulated instrument, opened.
+struct Instrument {
+  Instrument(const RigConfig& config, const SimConfig& truth, const Brdf& sample,
+             std::uint64_t seed)
+      : rig(config) {
+    SimDevices sim = MakeSimDevices(
+        truth, {rig.axes, rig.motion.home_limit, rig.camera, rig.imaging}, sample, clock, seed);
+    devices = {std::move(sim.axes), std::move(sim.camera), std::move(sim.light),
+               std::move(sim.monitor)};
+  }
+  ManualClock clock;
+  RigConfig rig;
+  Devices devices;
+};
+
+template <typename T>
+T Must(Result<T> result) {
+  if (result) return std::move(result).value();
+  fmt::print(stderr, "{}\n", result.error().message);
+  std::exit(1);
+}
+
+struct Setting {
+  RigConfig rig;
+  SimConfig truth;
+};
+
+Setting Imperfect() {
+  const ConfigNode root = ConfigNode::Load(kConfigs + "sim-imperfect.yaml");
+  return {ReadRig(root, ""), ReadSim(root)};
+}
+
+Calibrations Calibrate(const Setting& setting, std::uint64_t seed) {
+  const TempDir dir;
+  const EvenBrdf tile(0.98 / kPi);
+  const EvenBrdf trap(0);
+  StepOptions options;
+  options.folder = dir.path() / "cal";
+  options.standard = kConfigs + "standard-ptfe.yaml";
+  options.now = kToday;
+  const auto step = [&](auto function, const Brdf& mounted, int n) {
+    Instrument instrument(setting.rig, setting.truth, mounted, 5 * seed + static_cast<unsigned>(n));
+    (void)Must(function({instrument.rig, instrument.devices, instrument.clock}, options));
+  };
+  step(CalibrateDarks, trap, 0);
+  step(CalibratePhotonTransfer, tile, 1);
+  step(CalibrateFlat, tile, 2);
+  step(CalibrateStrayLight, trap, 3);
+  step(CalibrateStandard, tile, 4);
+  Instrument instrument(setting.rig, setting.truth, trap, seed);
+  CalibrationPolicy policy;
+  policy.folder = options.folder;
+  return LoadCalibrations(policy, SensorFormatOf(setting.rig, *instrument.devices.camera), kToday);
+}
+
+// Sums of z and of relative errors.
+struct Tally {
+  double n = 0, relative = 0, squares = 0, z = 0, z_squares = 0, random = 0, systematic = 0;
+  void Add(double f_r, double truth, double sigma, double sigma_systematic) {
+    const double error = f_r / truth - 1;
+    n += 1;
+    relative += error;
+    squares += error * error;
+    const double score = (f_r - truth) / std::hypot(sigma, sigma_systematic);
+    z += score;
+    z_squares += score * score;
+    random += sigma / truth;
+    systematic += sigma_systematic / truth;
+  }
+  double bias() const { return relative / n; }
+  double scatter() const { return std::sqrt(std::max(0.0, squares / n - bias() * bias())); }
+  double z_mean() const { return z / n; }
+  double z_deviation() const {
+    return std::sqrt(std::max(0.0, z_squares / n - z_mean() * z_mean()));
+  }
+};
+
+void Measure(const Setting& setting, const Calibrations& calibrations, const Brdf& sample,
+             const DirectionPair& pair, std::uint64_t seed, Tally* tally) {
+  RigConfig rig = setting.rig;
+  Believe(calibrations, &rig);
+  Instrument instrument(rig, setting.truth, sample, seed);
+  PoseMeasurer measurer(instrument.rig, instrument.devices, instrument.clock,
+                        calibrations.bad_pixels ? &calibrations.bad_pixels->mask : nullptr);
+  if (!measurer.Prepare({})) return;
+  const auto record = measurer.Measure(pair, sample.Eval(pair), {});
+  if (!record) return;
+  const auto reduced = Must(Reduce(*record, instrument.rig, calibrations));
+  const Rgb systematic = reduced.front().budget.systematic();
+  const BrdfSample& got = reduced.front().sample;
+  const Rgb truth = *sample.Eval(got.directions);
+  for (int c = 0; c < kChannels; ++c) {
+    if (std::isfinite(got.sigma[c])) tally->Add(got.f_r[c], truth[c], got.sigma[c], systematic[c]);
+  }
+}
+
+DirectionPair PairDeg(double theta_h, double theta_d, double phi_d = 90) {
+  return ToDirections({RadFromDeg(theta_h), RadFromDeg(theta_d), RadFromDeg(phi_d)});
+}
+
+struct Sample {
+  std::string name;
+  std::shared_ptr<const Brdf> brdf;
+  DirectionPair pair;
+};
+
+std::vector<Sample> Samples() {
+  std::vector<Sample> samples;
+  const auto add = [&](std::string name, std::shared_ptr<const Brdf> brdf, double h, double d) {
+    samples.push_back({std::move(name), std::move(brdf), PairDeg(h, d)});
+  };
+  for (const double f_r : {1e-4, 1e-3, 1e-2, 0.05, 0.3, 1.0, 10.0, 100.0, 1000.0}) {
+    add(fmt::format("even, {:g} /sr", f_r), std::make_shared<EvenBrdf>(f_r), 25, 30);
+  }
+  const auto material = [](const char* file) {
+    return std::shared_ptr<const Brdf>(OpenBrdf(kConfigs + "materials/" + file));
+  };
+  add("white tile, 45:0", material("ptfe.yaml"), 22.5, 22.5);
+  add("satin paint, peak", material("satin-paint.yaml"), 1, 30);
+  add("satin paint, off", material("satin-paint.yaml"), 40, 20);
+  add("glossy plastic, peak", material("glossy-plastic.yaml"), 0.5, 30);
+  add("glossy plastic, flank", material("glossy-plastic.yaml"), 5, 30);
+  const auto mirror = std::make_shared<AnalyticBrdf>(
+      "mirror", std::vector<Layer>{Ggx{.roughness = 0.02, .f0 = Rgb::Constant(0.9)}});
+  add("mirror (alpha 0.02), peak", mirror, 0.2, 30);
+  add("mirror (alpha 0.02), flank", mirror, 2, 30);
+  return samples;
+}
+
+void PrintTruth(const Setting& setting, const std::vector<Calibrations>& calibrations, int poses) {
+  fmt::print(
+      "| sample | without: bias % | bias % | scatter % | stated random, systematic % | z mean | z "
+      "deviation |\n");
+  fmt::print("|---|---|---|---|---|---|---|\n");
+  const Calibrations none;
+  for (const Sample& sample : Samples()) {
+    Tally with, without;
+    for (std::size_t i = 0; i < calibrations.size(); ++i) {
+      for (int p = 0; p < poses; ++p) {
+        const std::uint64_t seed = 1000 * (i + 1) + static_cast<unsigned>(p);
+        Measure(setting, calibrations[i], *sample.brdf, sample.pair, seed, &with);
+        if (i == 0) Measure(setting, none, *sample.brdf, sample.pair, seed, &without);
+      }
+    }
+    fmt::print("| {} | {:.2f} | {:.3f} | {:.2f} | {:.2f}, {:.2f} | {:.2f} | {:.2f} |\n",
+               sample.name, 100 * without.bias(), 100 * with.bias(), 100 * with.scatter(),
+               100 * with.random / with.n, 100 * with.systematic / with.n, with.z_mean(),
+               with.z_deviation());
+  }
+}
+
+struct Scores {
+  std::vector<double> values;
+  void Add(double z) { values.push_back(z); }
+  std::string Text() const {
+    double sum = 0, squares = 0;
+    for (const double z : values) {
+      sum += z;
+      squares += z * z;
+    }
+    const auto n = static_cast<double>(values.size());
+    return fmt::format("{:.2f} | {:.2f}", sum / n, std::sqrt(squares / n - sum * sum / n / n));
+  }
+};
+
+void PrintSensor(const Setting& setting, int n) {
+  Setting linear = setting;
+  linear.truth.nonlinearity = 0;
+  Scores gain, read, well;
+  double relative = 0;
+  for (int i = 0; i < n; ++i) {
+    const Calibrations found = Calibrate(linear, 500 + static_cast<unsigned>(i));
+    const SensorCalibration& sensor = *found.sensor;
+    gain.Add((sensor.gain.value - linear.truth.electrons_per_count) / sensor.gain.sigma);
+    read.Add((sensor.read_noise.value - linear.truth.read_noise) / sensor.read_noise.sigma);
+    const double full = (linear.rig.camera.full_scale - linear.truth.black_level) *
+                        linear.truth.electrons_per_count;
+    well.Add((sensor.full_well.value - full) / sensor.full_well.sigma);
+    relative += sensor.gain.relative() / n;
+  }
+  fmt::print("\n| photon transfer | z mean | z deviation |\n|---|---|---|\n");
+  fmt::print("| gain (stated {:.2f} %) | {} |\n| read noise | {} |\n| full well | {} |\n",
+             100 * relative, gain.Text(), read.Text(), well.Text());
+}
+
+struct Fault {
+  const char* name;
+  std::function<void(Setting&)> plant;
+};
+
+// One imperfection at a time, on a rig that is right about everything else.
+void PrintFaults(const Setting& setting, int calibrations, int poses) {
+  Setting clean = setting;
+  const SimConfig& was = setting.truth;
+  clean.truth.prnu = clean.truth.dsnu = clean.truth.dark_spread = clean.truth.hot_pixels = 0;
+  clean.truth.nonlinearity = clean.truth.stray_light = clean.truth.light_drift_per_hour = 0;
+  RadiometryConfig& believed = clean.rig.radiometry;
+  believed.responsivity = was.responsivity;
+  believed.electrons_per_count = was.electrons_per_count;
+  believed.dark_current = was.dark_current;
+  const Fault faults[] = {
+      {"none", [](Setting&) {}},
+      {"prnu 2 %", [&](Setting& s) { s.truth.prnu = was.prnu; }},
+      {"hot pixels 0.5 %, 3000 e/s", [&](Setting& s) { s.truth.hot_pixels = was.hot_pixels; }},
+      {"non-linearity 3 %", [&](Setting& s) { s.truth.nonlinearity = was.nonlinearity; }},
+      {"dark current 20 e/s, believed 5", [](Setting& s) { s.rig.radiometry.dark_current = 5; }},
+      {"offsets of 6 e, dark spread 30 %",
+       [&](Setting& s) {
+         s.truth.dsnu = was.dsnu;
+         s.truth.dark_spread = was.dark_spread;
+       }},
+      {"stray light 60 e/s", [&](Setting& s) { s.truth.stray_light = was.stray_light; }},
+      {"light drifts by 20 % an hour", [](Setting& s) { s.truth.light_drift_per_hour = 0.2; }},
+      {"responsivity 5 % low", [](Setting& s) { s.rig.radiometry.responsivity *= 0.95; }},
+  };
+  fmt::print(
+      "\n| planted | 0.003 /sr: before, after % | 0.3 /sr: before, after % |\n|---|---|---|\n");
+  for (const Fault& fault : faults) {
+    Setting with = clean;
+    fault.plant(with);
+    std::vector<Tally> before(2), after(2);
+    const double levels[] = {0.003, 0.3};
+    for (int i = 0; i < calibrations; ++i) {
+      const Calibrations found = Calibrate(with, 900 + static_cast<unsigned>(i));
+      for (std::size_t l = 0; l < 2; ++l) {
+        const EvenBrdf sample(levels[l]);
+        for (int p = 0; p < poses; ++p) {
+          const std::uint64_t seed = 5000 * static_cast<unsigned>(i + 1) + static_cast<unsigned>(p);
+          Measure(with, found, sample, PairDeg(25, 30), seed, &after[l]);
+          Measure(with, {}, sample, PairDeg(25, 30), seed, &before[l]);
+        }
+      }
+    }
+    fmt::print("| {} | {:.2f}, {:.2f} | {:.2f}, {:.2f} |\n", fault.name, 100 * before[0].bias(),
+               100 * after[0].bias(), 100 * before[1].bias(), 100 * after[1].bias());
+  }
+}
+
+}  // namespace
+}  // namespace gonio
+
+int main(int argc, char** argv) {
+  const int calibrations = argc > 1 ? std::atoi(argv[1]) : 30;
+  const int poses = argc > 2 ? std::atoi(argv[2]) : 10;
+  const gonio::Setting setting = gonio::Imperfect();
+  std::vector<gonio::Calibrations> all;
+  for (int i = 0; i < calibrations; ++i) {
+    all.push_back(gonio::Calibrate(setting, 1 + static_cast<unsigned>(i)));
+  }
+  gonio::PrintTruth(setting, all, poses);
+  gonio::PrintSensor(setting, calibrations);
+  gonio::PrintFaults(setting, (calibrations + 9) / 10, 10 * poses);
+  return 0;
+}
