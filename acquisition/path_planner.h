@@ -20,6 +20,9 @@ class PathPlanner {
  public:
   explicit PathPlanner(const RigConfig& rig);
 
+  // Whether there is nothing to keep away from: every way is straight.
+  bool free() const { return keep_out_.empty(); }
+
   // Every leg keeps the margin whatever the speeds of its axes (KeepOut::FindBetween). Tried in
   // this order, the first that is free is taken:
   //
