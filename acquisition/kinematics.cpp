@@ -83,38 +83,62 @@ bool Kinematics::Allowed(const DirectionPair& pair) const {
          AngleBetween(pair.wi, pair.wo) >= geometry_.min_separation - kRounding;
 }
 
-std::optional<ArmAngles> Kinematics::Inverse(const DirectionPair& pair,
-                                             const ArmAngles& from) const {
-  if (!Allowed(pair)) return std::nullopt;
+template <typename Visit>
+void Kinematics::VisitSolutions(const DirectionPair& pair, const ArmAngles& from,
+                                const Visit& visit) const {
+  if (!Allowed(pair)) return;
   const double theta_i = PolarAngle(pair.wi);
   const double theta_o = PolarAngle(pair.wo);
   const auto light = WithinLimits(kPi / 2 - theta_i, limits_[kLightElevation]);
   const auto camera = WithinLimits(kPi / 2 - theta_o, limits_[kCameraElevation]);
-  if (!light || !camera) return std::nullopt;
+  if (!light || !camera) return;
 
-  std::optional<ArmAngles> best;
-  Seconds best_time{0};
-  const auto visit = [&](double light_azimuth, double camera_azimuth) {
-    const ArmAngles angles = {light_azimuth, *light, camera_azimuth, *camera};
-    const Seconds time = TravelTime(from, angles);
-    if (best && time >= best_time - Seconds(1e-9)) return;
-    best = angles;
-    best_time = time;
+  const auto at_azimuths = [&](double light_azimuth, double camera_azimuth) {
+    visit(ArmAngles{light_azimuth, *light, camera_azimuth, *camera});
   };
   const AxisLimits& light_limits = limits_[kLightAzimuth];
   const AxisLimits& camera_limits = limits_[kCameraAzimuth];
   if (std::min(theta_i, theta_o) < kZenith) {
-    visit(std::clamp(from[kLightAzimuth], light_limits.min_position, light_limits.max_position),
-          std::clamp(from[kCameraAzimuth], camera_limits.min_position, camera_limits.max_position));
-    return best;
+    at_azimuths(
+        std::clamp(from[kLightAzimuth], light_limits.min_position, light_limits.max_position),
+        std::clamp(from[kCameraAzimuth], camera_limits.min_position, camera_limits.max_position));
+    return;
   }
   const double difference = Azimuth(pair.wo) - Azimuth(pair.wi);
   for (const double mirrored : {difference, -difference}) {
     for (int turns = -3; turns <= 3; ++turns) {  // azimuths may span -360 .. 360 deg
-      VisitAzimuths(mirrored + 2 * kPi * turns, light_limits, camera_limits, from, visit);
+      VisitAzimuths(mirrored + 2 * kPi * turns, light_limits, camera_limits, from, at_azimuths);
     }
   }
+}
+
+std::optional<ArmAngles> Kinematics::Inverse(const DirectionPair& pair,
+                                             const ArmAngles& from) const {
+  std::optional<ArmAngles> best;
+  Seconds best_time{0};
+  VisitSolutions(pair, from, [&](const ArmAngles& angles) {
+    const Seconds time = TravelTime(from, angles);
+    if (best && time >= best_time - Seconds(1e-9)) return;
+    best = angles;
+    best_time = time;
+  });
   return best;
+}
+
+std::vector<ArmAngles> Kinematics::Solutions(const DirectionPair& pair,
+                                             const ArmAngles& from) const {
+  std::vector<ArmAngles> solutions;
+  if (const auto best = Inverse(pair, from)) solutions.push_back(*best);
+  VisitSolutions(pair, from, [&](const ArmAngles& angles) {
+    if (std::find(solutions.begin(), solutions.end(), angles) == solutions.end()) {
+      solutions.push_back(angles);
+    }
+  });
+  if (solutions.empty()) return solutions;
+  std::stable_sort(solutions.begin() + 1, solutions.end(), [&](const auto& a, const auto& b) {
+    return TravelTime(from, a) < TravelTime(from, b);
+  });
+  return solutions;
 }
 
 bool Kinematics::Reachable(const DirectionPair& pair) const {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "acquisition/rig.h"
 #include "brdf/direction.h"
@@ -25,6 +26,10 @@ class Kinematics {
   // reach.
   std::optional<ArmAngles> Inverse(const DirectionPair& pair, const ArmAngles& from) const;
 
+  // The same, all that are inside the limits and worth a look, the soonest first: for those whom
+  // something stands in the way of. Empty: out of reach.
+  std::vector<ArmAngles> Solutions(const DirectionPair& pair, const ArmAngles& from) const;
+
   // Whether Inverse() would find a solution, from anywhere.
   bool Reachable(const DirectionPair& pair) const;
 
@@ -34,6 +39,8 @@ class Kinematics {
 
  private:
   bool Allowed(const DirectionPair& pair) const;
+  template <typename Visit>
+  void VisitSolutions(const DirectionPair& pair, const ArmAngles& from, const Visit& visit) const;
 
   std::array<AxisLimits, kAxes> limits_;  // of targets
   GeometryConfig geometry_;

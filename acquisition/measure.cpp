@@ -38,15 +38,10 @@ bool AllSaturated(const std::vector<Exposure>& exposures) {
 
 PoseMeasurer::PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock,
                            const SiteMask* bad)
-    : rig_(rig),
-      devices_(devices),
-      clock_(clock),
-      bad_(bad),
-      taker_(rig, devices),
-      kinematics_(rig) {}
+    : rig_(rig), devices_(devices), clock_(clock), bad_(bad), taker_(rig, devices), paths_(rig) {}
 
 Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
-  if (auto homed = HomeAll(devices_, stop); !homed) return homed;
+  if (auto homed = HomeAll(rig_.motion, devices_, stop); !homed) return homed;
   if (auto lit = devices_.light->SetLevel(rig_.light_level); !lit) return lit;
   const auto position = ReadPositions(devices_);
   if (!position) return position.error();
@@ -81,16 +76,10 @@ Result<void> PoseMeasurer::MoveTo(const DirectionPair& pair, PoseRecord& record,
   const auto before = ReadPositions(devices_);
   if (!before) return before.error();
   position_ = *before;
-  const auto target = kinematics_.Inverse(pair, position_);
-  if (!target) {
-    const HalfDiff angles = ToHalfDiff(pair);
-    return Error{ErrorCode::kRefused,
-                 fmt::format("pose theta_h {:.2f}, theta_d {:.2f}, phi_d {:.2f} deg: out of reach",
-                             DegFromRad(angles.theta_h), DegFromRad(angles.theta_d),
-                             DegFromRad(angles.phi_d))};
-  }
-  record.commanded = *target;
-  const auto arrival = MoveAll(rig_, devices_, clock_, *target, stop);
+  const auto path = paths_.PlanTo(position_, pair);
+  if (!path) return path.error();
+  record.commanded = path->back();
+  const auto arrival = MoveAlong(rig_, devices_, clock_, *path, stop);
   if (!arrival) return arrival.error();
   position_ = record.readback = arrival->readback;
   record.move_retries = arrival->retries;

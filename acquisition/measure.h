@@ -10,8 +10,8 @@
 #include "acquisition/exposure.h"
 #include "acquisition/frame_taker.h"
 #include "acquisition/image_regions.h"
-#include "acquisition/kinematics.h"
 #include "acquisition/motion.h"
+#include "acquisition/path_planner.h"
 #include "acquisition/rig.h"
 
 namespace gonio {
@@ -66,7 +66,7 @@ class PoseMeasurer {
   Clock& clock_;
   const SiteMask* const bad_;
   FrameTaker taker_;
-  Kinematics kinematics_;
+  PathPlanner paths_;
   ArmAngles position_{};
   std::optional<Seconds> last_exposure_;  // that suited the last pose
 };

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "core/check.h"
 #include "core/units.h"
 #include "drivers/move_time.h"
 
@@ -49,7 +50,7 @@ Result<void> MoveOnce(const RigConfig& rig, Devices& devices, const std::vector<
 }
 
 Result<Arrival> MoveWithRetries(const RigConfig& rig, Devices& devices, Clock& clock,
-                                const ArmAngles& target, std::stop_token stop) {
+                                const ArmAngles& target, Seconds settle, std::stop_token stop) {
   std::vector<int> missed = {kLightAzimuth, kLightElevation, kCameraAzimuth, kCameraElevation};
   Arrival arrival;
   auto position = ReadPositions(devices);
@@ -63,7 +64,7 @@ Result<Arrival> MoveWithRetries(const RigConfig& rig, Devices& devices, Clock& c
     }
     arrival.still = clock.Now();
     arrival.retries = attempt;
-    clock.SleepFor(rig.motion.settle, stop);
+    clock.SleepFor(settle, stop);
     if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "settling: cancelled"};
     position = ReadPositions(devices);
     if (!position) return position.error();
@@ -98,9 +99,9 @@ Result<ArmAngles> ReadPositions(Devices& devices) {
   return position;
 }
 
-Result<void> HomeAll(Devices& devices, std::stop_token stop) {
-  for (auto& axis : devices.axes) {
-    if (auto homed = axis->Home(stop); !homed) {
+Result<void> HomeAll(const MotionConfig& motion, Devices& devices, std::stop_token stop) {
+  for (const int i : motion.home_order) {
+    if (auto homed = devices.axes[i]->Home(stop); !homed) {
       (void)StopAll(devices);
       return homed;
     }
@@ -110,9 +111,24 @@ Result<void> HomeAll(Devices& devices, std::stop_token stop) {
 
 Result<Arrival> MoveAll(const RigConfig& rig, Devices& devices, Clock& clock,
                         const ArmAngles& target, std::stop_token stop) {
-  auto arrival = MoveWithRetries(rig, devices, clock, target, stop);
-  // The first error is the one to report; stopping may fail for the same reason.
-  if (!arrival) (void)StopAll(devices);
+  return MoveAlong(rig, devices, clock, {&target, 1}, stop);
+}
+
+Result<Arrival> MoveAlong(const RigConfig& rig, Devices& devices, Clock& clock,
+                          std::span<const ArmAngles> legs, std::stop_token stop) {
+  GONIO_CHECK(!legs.empty(), "a way without a target");
+  Arrival arrival;
+  for (std::size_t i = 0; i < legs.size(); ++i) {
+    const Seconds settle = i + 1 == legs.size() ? rig.motion.settle : Seconds(0);
+    auto leg = MoveWithRetries(rig, devices, clock, legs[i], settle, stop);
+    if (!leg) {
+      // The first error is the one to report; stopping may fail for the same reason.
+      (void)StopAll(devices);
+      return leg;
+    }
+    leg->retries += arrival.retries;
+    arrival = *leg;
+  }
   return arrival;
 }
 

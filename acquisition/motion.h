@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <span>
 #include <stop_token>
 
 #include "acquisition/rig.h"
@@ -18,8 +19,8 @@ struct Arrival {
 // Asks every encoder. kProtocol: an axis is not homed, so that its position means nothing.
 Result<ArmAngles> ReadPositions(Devices& devices);
 
-// Homes one axis after the other. Blocks for minutes.
-Result<void> HomeAll(Devices& devices, std::stop_token stop);
+// Homes one axis after the other, in the order of `motion`. Blocks for minutes.
+Result<void> HomeAll(const MotionConfig& motion, Devices& devices, std::stop_token stop);
 
 // Starts all axes, waits until they are still, lets them settle and reads them back. An axis
 // outside its tolerance is sent again, rig.motion.retries times.
@@ -28,6 +29,10 @@ Result<void> HomeAll(Devices& devices, std::stop_token stop);
 // has been stopped.
 Result<Arrival> MoveAll(const RigConfig& rig, Devices& devices, Clock& clock,
                         const ArmAngles& target, std::stop_token stop);
+
+// The same leg by leg; only at the end they settle. `legs` is not empty.
+Result<Arrival> MoveAlong(const RigConfig& rig, Devices& devices, Clock& clock,
+                          std::span<const ArmAngles> legs, std::stop_token stop);
 
 // Stops every axis; the first error is returned, but all are stopped.
 Result<void> StopAll(Devices& devices);

@@ -48,12 +48,27 @@ GeometryConfig ReadGeometry(const ConfigNode& node) {
   return geometry;
 }
 
+std::array<int, kAxes> ReadHomeOrder(const ConfigNode& node) {
+  const std::vector<std::string> names = node.Texts("home_order");
+  std::array<int, kAxes> order{};
+  for (int i = 0; i < kAxes; ++i) {
+    const auto found = std::find(names.begin(), names.end(), kAxisNames[i]);
+    if (found == names.end() || names.size() != kAxes) {
+      node.Fail("home_order",
+                fmt::format("must name each of {} once", fmt::join(kAxisNames, ", ")));
+    }
+    order[found - names.begin()] = i;
+  }
+  return order;
+}
+
 MotionConfig ReadMotion(const ConfigNode& node) {
   MotionConfig motion;
   motion.settle = Seconds(node.Number("settle_s", Range::NonNegative()));
   motion.home_limit =
       Seconds(node.NumberOr("home_limit_s", motion.home_limit.count(), Range::Positive()));
   motion.retries = node.IntegerOr("retries", motion.retries, 0, 10);
+  if (node.Has("home_order")) motion.home_order = ReadHomeOrder(node);
   return motion;
 }
 
@@ -163,6 +178,7 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
     rig.axes[i] = ReadAxis(axis, azimuth ? Range::Between(-360, 360) : Range::Between(0, 90));
     if (!rig.simulated) rig.axis_devices[i] = ReadAxisDevice(axis.Map("device"));
   }
+  if (root.Has("keep_out")) rig.keep_out = ReadKeepOut(root.Map("keep_out"));
   rig.motion = ReadMotion(root.Map("motion"));
   // The least is not zero: without light there is nothing to divide by.
   const ConfigNode light = root.Map("light");

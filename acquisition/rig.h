@@ -10,6 +10,7 @@
 #include <string>
 
 #include "acquisition/calibration/calibration_kind.h"
+#include "acquisition/keep_out_config.h"
 #include "acquisition/radiometry/sensor.h"
 #include "brdf/brdf.h"
 #include "brdf/imaging.h"
@@ -43,7 +44,10 @@ struct GeometryConfig {
 struct MotionConfig {
   Seconds settle{0};        // waited after the last axis has arrived
   Seconds home_limit{120};  // time-out of homing one axis, for the driver
-  int retries = 2;          // repeats of a move that ended outside its tolerance
+  // One after the other in this order, and nothing watches what they pass: arms that can meet are
+  // lifted apart first.
+  std::array<int, 4> home_order = {0, 1, 2, 3};
+  int retries = 2;  // repeats of a move that ended outside its tolerance
 };
 
 struct ExposureConfig {
@@ -72,6 +76,7 @@ struct RigConfig {
   std::array<AxisLimits, kAxes> axes;  // soft limits
   std::array<std::optional<AxisDevice>, kAxes> axis_devices;  // empty: simulated
   GeometryConfig geometry;
+  KeepOutConfig keep_out;  // empty: only min_separation is looked at
   MotionConfig motion;
   ExposureConfig exposure;
   RadiometryConfig radiometry;

@@ -3,9 +3,11 @@
 
 #include <fmt/format.h>
 
+#include <mutex>
+#include <optional>
 #include <utility>
 
-#include "acquisition/kinematics.h"
+#include "acquisition/path_planner.h"
 #include "apps/gonio/device_error.h"
 #include "core/check.h"
 #include "core/config.h"
@@ -143,8 +145,24 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
 }
 
 Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample) {
-  return [kinematics = Kinematics(rig), sample](const DirectionPair& pair) {
-    return kinematics.Reachable(pair) && (sample == nullptr || sample->Eval(pair).has_value());
+  // A way is looked for from the pose before: neighbours in a plan's raster are near.
+  struct Ways {
+    explicit Ways(const RigConfig& config) : kinematics(config), paths(config) {}
+    const Kinematics kinematics;
+    const PathPlanner paths;
+    std::mutex mutex;
+    std::optional<ArmAngles> at;  // guarded
+  };
+  return [ways = std::make_shared<Ways>(rig), sample](const DirectionPair& pair) {
+    if (sample != nullptr && !sample->Eval(pair)) return false;
+    if (ways->paths.free()) return ways->kinematics.Reachable(pair);
+    const std::lock_guard lock(ways->mutex);
+    for (const ArmAngles& to : ways->kinematics.Solutions(pair, ways->at.value_or(ArmAngles{}))) {
+      if (!ways->paths.Plan(ways->at.value_or(to), to)) continue;
+      ways->at = to;
+      return true;
+    }
+    return false;
   };
 }
 

@@ -49,9 +49,9 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
 Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
                                            AxisOpener& opener);
 
-// The poses a plan may choose from: those the rig can reach and where the simulated `sample`, which
-// must outlive the result, has a reflectance: measured materials end somewhere, and beyond it the
-// simulated camera refuses to expose. nullptr: the sample is real.
+// The poses a plan may choose from: those the rig can reach, by ways that touch nothing, and where
+// the simulated `sample`, which must outlive the result, has a reflectance: measured materials end
+// somewhere, and beyond it the simulated camera refuses to expose. nullptr: the sample is real.
 Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample);
 
 }  // namespace gonio

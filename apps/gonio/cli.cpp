@@ -231,6 +231,14 @@ Action SetUpDoctor(CLI::App& app) {
   return [o] { return DoctorCommand(*o); };
 }
 
+Action SetUpCheck(CLI::App& app) {
+  auto o = std::make_shared<CheckOptions>();
+  app.add_option("rig", o->rig, "Rig file")->required();
+  app.add_option("--out", o->out, "Picture of the poses to write: .png or .svg (needs gnuplot)");
+  app.add_option("--json", o->json, "Write the counts as JSON (-: to standard output)");
+  return [o] { return CheckCommand(*o); };
+}
+
 struct Command {
   const char* name;
   const char* help;
@@ -255,6 +263,7 @@ constexpr Command kCommands[] = {
      SetUpDevices},
     {"sim-devices", "Start doubles of a rig's devices, for the real drivers to be tried on",
      SetUpSimDevices},
+    {"check", "Which poses a rig can measure, and what keeps it from the others", SetUpCheck},
     {"doctor", "What keeps this machine from its devices, and what to do about it", SetUpDoctor},
     {"report", "Show a session as one HTML page with pictures (needs gnuplot)", SetUpReport},
 };

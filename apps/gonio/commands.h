@@ -157,6 +157,14 @@ struct DoctorOptions {
 // kFailed if anything is wrong.
 int DoctorCommand(const DoctorOptions& options);
 
+struct CheckOptions {
+  std::string rig;            // a path, or the name of a file we come with
+  std::filesystem::path out;  // picture, .png or .svg; empty: none
+  std::string json;           // file, or "-" for standard output; empty: text only
+};
+// kFailed if nothing can be measured.
+int CheckCommand(const CheckOptions& options);
+
 struct ReportOptions {
   std::filesystem::path session;
   std::filesystem::path out;  // empty: report.html in the session

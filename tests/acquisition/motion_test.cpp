@@ -219,7 +219,7 @@ TEST_F(MoveAllTest, StopAllStopsAllAndReturnsTheFirstError) {
 }
 
 TEST_F(MoveAllTest, HomesOneAxisAfterTheOther) {
-  ASSERT_TRUE(HomeAll(devices_, {}).ok());
+  ASSERT_TRUE(HomeAll({}, devices_, {}).ok());
   EXPECT_THAT(journal_, ElementsAre("home light_azimuth", "home light_elevation",
                                     "home camera_azimuth", "home camera_elevation"));
 }

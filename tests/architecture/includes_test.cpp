@@ -49,6 +49,7 @@ const std::vector<Fence> kFences = {
     {"glib", {"drivers", "sim"}, true},
     {"openssl/", {"core"}, true},
     {"ceres/", {"fitting"}, true},
+    {"fcl/", {"acquisition"}, true},
     {"opencv2/", {"brdf", "acquisition"}, true},
 };
 

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/keep_out_config.h"
+
+#include <string>
+
+#include "core/units.h"
+
+namespace gonio {
+namespace {
+
+Eigen::Vector3d ReadPoint(const ConfigNode& node, const char* key) {
+  const std::vector<double> mm = node.Numbers(key, 3, Range::Between(-1e5, 1e5));
+  return Eigen::Vector3d(mm[0], mm[1], mm[2]) / 1000;
+}
+
+SolidPart ReadPart(const ConfigNode& node, bool moves) {
+  SolidPart part;
+  if (node.Has("box_from_mm")) {
+    part.shape = SolidPart::Shape::kBox;
+    part.from = ReadPoint(node, "box_from_mm");
+    part.to = ReadPoint(node, "box_to_mm");
+    if ((part.to.array() <= part.from.array()).any()) {
+      node.Fail("box_to_mm", "must be > box_from_mm in each coordinate");
+    }
+  } else {
+    part.from = ReadPoint(node, "capsule_from_mm");
+    part.to = ReadPoint(node, "capsule_to_mm");
+    part.radius = node.Number("radius_mm", Range::Positive()) / 1000;
+    if ((part.to - part.from).norm() < 1e-6) {
+      node.Fail("capsule_to_mm", "is capsule_from_mm; of a ball, let them differ by 0.01 mm");
+    }
+  }
+  if (moves && node.Has("turns_with")) {
+    part.tilts = node.Choice("turns_with", {"elevation", "azimuth"}) == "elevation";
+  }
+  return part;
+}
+
+std::vector<SolidPart> ReadParts(const ConfigNode& node, const char* key, bool moves) {
+  std::vector<SolidPart> parts;
+  if (!node.Has(key)) return parts;
+  for (const ConfigNode& part : node.MapList(key)) parts.push_back(ReadPart(part, moves));
+  return parts;
+}
+
+}  // namespace
+
+KeepOutConfig ReadKeepOut(const ConfigNode& node) {
+  KeepOutConfig config;
+  config.margin = node.Number("margin_mm", Range::NonNegative()) / 1000;
+  config.light_arm = ReadParts(node, "light_arm", true);
+  config.camera_arm = ReadParts(node, "camera_arm", true);
+  config.fixed = ReadParts(node, "fixed", false);
+  if (node.Has("max_azimuth_difference_deg")) {
+    config.max_azimuth_difference =
+        RadFromDeg(node.Number("max_azimuth_difference_deg", Range::Between(1, 720)));
+  }
+  return config;
+}
+
+}  // namespace gonio
