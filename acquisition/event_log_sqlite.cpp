@@ -51,6 +51,12 @@ void Statement::Reset() {
   sqlite3_clear_bindings(statement_.get());
 }
 
+std::span<const std::uint8_t> Statement::Bytes(int column) const {
+  const auto* const data =
+      static_cast<const std::uint8_t*>(sqlite3_column_blob(statement_.get(), column));
+  return {data, static_cast<std::size_t>(sqlite3_column_bytes(statement_.get(), column))};
+}
+
 std::string Statement::Text(int column) const {
   const unsigned char* text = sqlite3_column_text(statement_.get(), column);
   return text == nullptr ? std::string() : reinterpret_cast<const char*>(text);

@@ -54,10 +54,14 @@ class Statement {
   Statement(Database& db, const char* sql);
 
   template <typename... Values>
-  void Run(const Values&... values) {
+  void Bind(const Values&... values) {
     Reset();
     int index = 0;
     (BindOne(++index, values), ...);
+  }
+  template <typename... Values>
+  void Run(const Values&... values) {
+    Bind(values...);
     while (Step()) {
     }
     Reset();
@@ -73,6 +77,7 @@ class Statement {
     return sqlite3_column_type(statement_.get(), column) == SQLITE_NULL;
   }
   std::string Text(int column) const;
+  std::span<const std::uint8_t> Bytes(int column) const;  // until the next Step() or Reset()
 
  private:
   void BindOne(int index, double number);

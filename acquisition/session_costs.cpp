@@ -7,11 +7,14 @@
 #include <optional>
 
 #include "acquisition/exposure.h"
+#include "acquisition/image_regions.h"
 #include "acquisition/kinematics.h"
 #include "acquisition/radiometry.h"
 
 namespace gonio {
 namespace {
+
+constexpr int kPartsPixels = 64;
 
 // Where the arms stand at the poses moves begin at: planners ask for thousands of moves from each.
 class Starts {
@@ -70,6 +73,24 @@ SessionCosts CostsOn(const RigConfig& rig) {
 ExpectedNoise NoiseOn(const RigConfig& rig) {
   return [rig](const DirectionPair& pair, const Rgb& f_r) {
     return ExpectedSigma(pair, f_r, FrameFor(pair, f_r, rig), rig);
+  };
+}
+
+PartsOf PartsOn(const RigConfig& rig) {
+  if (rig.samples_per_image == 1) return {};
+  const int shrink = std::max(1, std::max(rig.camera.width, rig.camera.height) / kPartsPixels);
+  Imaging imaging = rig.imaging;
+  imaging.focal_length /= shrink;
+  return [kinematics = Kinematics(rig), imaging, width = rig.camera.width / shrink,
+          height = rig.camera.height / shrink, max_polar = rig.geometry.max_polar,
+          count = rig.samples_per_image](const DirectionPair& pair) {
+    std::vector<DirectionPair> parts;
+    const auto arms = kinematics.Inverse(pair, ArmAngles{});
+    if (!arms) return parts;
+    for (const ImageRegion& region : RegionsOf(imaging, *arms, width, height, max_polar, count)) {
+      parts.push_back(region.directions);
+    }
+    return parts;
   };
 }
 

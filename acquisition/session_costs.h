@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What a planner is told about the seconds poses take on a rig.
+// What a planner is told about a rig: the seconds poses take, noise, what an image shows.
 
 #pragma once
 
@@ -23,5 +23,9 @@ SessionCosts CostsOn(const RigConfig& rig);
 
 // What Reduce() would give as sigma for that frame.
 ExpectedNoise NoiseOn(const RigConfig& rig);
+
+// The directions of an image's regions (acquisition/image_regions.h), from an image of at most some
+// 64 pixels a side: a planner needs them to a degree. Empty with one sample per image.
+PartsOf PartsOn(const RigConfig& rig);
 
 }  // namespace gonio

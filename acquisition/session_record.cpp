@@ -178,13 +178,17 @@ bool IsSession(const std::filesystem::path& path) {
   return std::filesystem::is_regular_file(path / kSessionFile, ignored);
 }
 
-SessionRecord ReadSession(const std::filesystem::path& dir) {
+void CheckSession(const std::filesystem::path& dir) {
   if (!std::filesystem::is_directory(dir)) {
     throw ConfigError(dir.string() + ": is not a session: no such directory");
   }
   if (!IsSession(dir)) {
     throw ConfigError(fmt::format("{}: is not a session: has no {}", dir.string(), kSessionFile));
   }
+}
+
+SessionRecord ReadSession(const std::filesystem::path& dir) {
+  CheckSession(dir);
   try {
     sqlite::Database db(dir / kSessionFile, SQLITE_OPEN_READONLY);
     sqlite::Transaction transaction(db, "BEGIN");  // one moment of a session that may be running

@@ -52,6 +52,9 @@ struct SessionRecord {
 // Whether `path` is a directory that holds a session's file.
 bool IsSession(const std::filesystem::path& path);
 
+// Throws ConfigError "DIR: is not a session: ..." unless it looks like one from outside.
+void CheckSession(const std::filesystem::path& dir);
+
 // Opens read-only, checks that it is a session of our version and that the file is sound, reads
 // and closes. Throws ConfigError "DIR: is not a session: ...".
 SessionRecord ReadSession(const std::filesystem::path& dir);

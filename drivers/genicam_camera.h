@@ -36,7 +36,7 @@ struct GenicamSettings {
 
   Seconds readout{0.05};        // an upper bound, unless the camera tells
   Seconds margin{0.5};          // >= 0.3: a frame may be late by so much before it is given up
-  int retries = 3;              // frames taken again after one that was late or not whole
+  int retries = 8;              // frames taken again after one that was late or not whole
   int discarded_first = 1;      // frames thrown away after opening and after a restart
   int discarded_on_change = 1;  // and after the exposure time was changed
   Seconds reopen_limit{10};     // a camera that was lost is looked for so long, per frame

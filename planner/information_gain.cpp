@@ -2,8 +2,10 @@
 #include "planner/information_gain.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "core/check.h"
 #include "core/units.h"
@@ -12,6 +14,9 @@
 
 namespace gonio {
 namespace {
+
+// Candidates whose images are scored because their middles would teach most.
+constexpr std::ptrdiff_t kImageLeaders = 64;
 
 // The share of phi_d at which both directions stay within max_polar, and the mean cos theta_i
 // there.
@@ -100,7 +105,11 @@ struct InformationGain::Linearisation {
 };
 
 InformationGain::InformationGain(std::vector<Candidate> candidates, const GainOptions& options)
-    : candidates_(std::move(candidates)), options_(options), targets_(candidates_.size()) {
+    : candidates_(std::move(candidates)),
+      options_(options),
+      targets_(candidates_.size()),
+      column_of_(candidates_.size()),
+      parts_(candidates_, options_.parts) {
   std::map<int, std::vector<int>> by_column;
   double total = 0;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -116,6 +125,7 @@ InformationGain::InformationGain(std::vector<Candidate> candidates, const GainOp
   for (Target& target : targets_) target.weight /= total > 0 ? total : 1;
   for (auto& [column, members] : by_column) {
     const double theta_d = candidates_[members.front()].angles.theta_d;
+    for (const int i : members) column_of_[i] = static_cast<int>(columns_.size());
     columns_.push_back({theta_d, std::move(members)});
   }
 }
@@ -210,7 +220,58 @@ GainScores InformationGain::Evaluate(const DsbrdfFit& fit, const std::vector<int
       scores.gain[i] = expected.llt().solve(drop).trace() / variance;
     }
   }
+  if (parts_.any()) ScoreImages(fit, at, taught, measured, variance, &scores);
   return scores;
+}
+
+void InformationGain::ScoreImages(const DsbrdfFit& fit, const Linearisation& at,
+                                  const Eigen::MatrixXd& taught, const std::vector<int>& measured,
+                                  double variance, GainScores* scores) const {
+  std::vector<int> images(candidates_.size());
+  std::iota(images.begin(), images.end(), 0);
+  const auto leaders = std::min(kImageLeaders, std::ssize(images));
+  std::partial_sort(images.begin(), images.begin() + leaders, images.end(), [&](int a, int b) {
+    return scores->gain[a] != scores->gain[b] ? scores->gain[a] > scores->gain[b] : a < b;
+  });
+  images.resize(leaders);
+  images.insert(images.end(), parts_.scouts().begin(), parts_.scouts().end());
+  for (const int i : images) {
+    scores->gain[i] = ImageGain(fit, at, taught, parts_.Of(i), measured) / variance;
+  }
+}
+
+double InformationGain::ImageGain(const DsbrdfFit& fit, const Linearisation& at,
+                                  const Eigen::MatrixXd& taught, const std::vector<int>& parts,
+                                  const std::vector<int>& measured) const {
+  const DsbrdfShape& shape = fit.model().shape();
+  const auto rows = kChannels * std::ssize(parts);
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(shape.size(), rows);  // transposed
+  Eigen::VectorXd shared(rows);
+  Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(rows, rows);
+  for (Eigen::Index p = 0; p < std::ssize(parts); ++p) {
+    const int i = parts[p];
+    const SplineBasis& basis = at.basis[column_of_[i]];
+    const Eigen::Map<const Eigen::Vector4d> weight(basis.weight.data());
+    const double model = fit.summary().model_error * fit.summary().model_error;
+    for (int c = 0; c < kChannels; ++c) {
+      const Eigen::Index row = kChannels * p + c;
+      const double slope = GeneralisedLogSlope(at.f(c, i), fit.summary().floor);
+      for (int q = 0; q < at.per_channel; ++q) {
+        jacobian.col(row).segment<4>(shape.Index(c, 0, 0) + q * shape.knots + basis.first) =
+            slope * at.gradient(c * at.per_channel + q, i) * weight;
+      }
+      shared[row] = options_.relative_noise * at.f(c, i) * slope;
+      noise(row, row) = model * Crowding(i, measured) + 1e-8;
+    }
+  }
+  for (Eigen::Index a = 0; a < rows; ++a) {
+    for (Eigen::Index b = a % kChannels; b < rows; b += kChannels) {
+      noise(a, b) += shared[a] * shared[b];
+    }
+  }
+  const Eigen::MatrixXd expected = jacobian.transpose() * (fit.covariance() * jacobian) + noise;
+  const Eigen::MatrixXd drop = jacobian.transpose() * (taught * jacobian);
+  return expected.llt().solve(drop).trace();
 }
 
 }  // namespace gonio

@@ -9,6 +9,7 @@
 #include "fitting/fit.h"
 #include "fitting/spline.h"
 #include "planner/candidates.h"
+#include "planner/image_parts.h"
 
 namespace gonio {
 
@@ -27,6 +28,7 @@ struct GainOptions {
   // How far the part of log f_r that no DSBRDF explains reaches, on the unit square of
   // (sqrt(theta_h / 90 deg), theta_d / 90 deg): nearer readings repeat it. > 0.
   double repeat_length = 0.02;
+  PartsOf parts = {};  // what else the image of a pose shows
 };
 
 // The state of knowledge, as far as a planner needs it.
@@ -46,9 +48,17 @@ struct GainScores {
 // outer products of the objective's gradients; R: noise and model error. A DSBRDF sees theta_d only
 // through its splines, so P and P A P are projected once per theta_d column of the raster, and a
 // candidate then costs a few hundred operations.
+//
+// Where an image holds several samples, J has three rows for each of them, and R their noise: one
+// draw of relative_noise for each channel of the image, so that parts do not average it out. Such a
+// gain costs a thousand times as much; it is found for the scouts of ImageParts and for the
+// candidates that would teach most by their middle. The others keep what their middle would teach,
+// which is less.
 class InformationGain {
  public:
   InformationGain(std::vector<Candidate> candidates, const GainOptions& options);
+  InformationGain(const InformationGain&) = delete;
+  InformationGain& operator=(const InformationGain&) = delete;
 
   // `measured`: indices of the candidates measured so far, repeats included.
   GainScores Evaluate(const DsbrdfFit& fit, const std::vector<int>& measured) const;
@@ -71,6 +81,11 @@ class InformationGain {
   // trace(A P) and the predicted error come on the side.
   Eigen::MatrixXd ObjectiveMatrix(const DsbrdfFit& fit, const Linearisation& at, double* variance,
                                   double* predicted_error) const;
+  // Puts the gains of whole images into `scores`.
+  void ScoreImages(const DsbrdfFit& fit, const Linearisation& at, const Eigen::MatrixXd& taught,
+                   const std::vector<int>& measured, double variance, GainScores* scores) const;
+  double ImageGain(const DsbrdfFit& fit, const Linearisation& at, const Eigen::MatrixXd& taught,
+                   const std::vector<int>& parts, const std::vector<int>& measured) const;
   // 1 + the number of measured neighbours, each weighted by how near it is.
   double Crowding(int candidate, const std::vector<int>& measured) const;
 
@@ -78,6 +93,8 @@ class InformationGain {
   GainOptions options_;
   std::vector<Column> columns_;
   std::vector<Target> targets_;
+  std::vector<int> column_of_;  // of each candidate: its place in columns_
+  ImageParts parts_;
 };
 
 }  // namespace gonio

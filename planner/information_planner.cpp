@@ -44,7 +44,7 @@ std::optional<Proposal> InformationPlanner::Next() {
 }
 
 std::optional<Proposal> InformationPlanner::Choose() {
-  const bool budget_left = static_cast<int>(measured_.size()) < options_.max_poses;
+  const bool budget_left = poses_ < options_.max_poses;
   for (const int candidate : opening_) {
     if (budget_left && !spent_[candidate]) return Propose(candidate, 0, "opening");
   }
@@ -100,11 +100,18 @@ void InformationPlanner::Refit() {
 
 void InformationPlanner::Observe(const Proposal& proposal, const BrdfSample& sample) {
   Reject(proposal);
+  ++poses_;
   measured_.push_back(proposal.candidate);
-  AlsoObserve(sample);
+  Keep(sample);
 }
 
 void InformationPlanner::AlsoObserve(const BrdfSample& sample) {
+  const HalfDiff at = ToHalfDiff(sample.directions);
+  measured_.push_back(NearestCandidate(gain_.candidates(), at.theta_h, at.theta_d));
+  Keep(sample);
+}
+
+void InformationPlanner::Keep(const BrdfSample& sample) {
   if (sample.sigma.isFinite().any()) samples_.push_back(sample);
 }
 

@@ -52,12 +52,14 @@ class InformationPlanner final : public Planner {
   std::optional<Proposal> Choose();
   Proposal Propose(int candidate, double score, std::string why) const;
   void Refit();
+  void Keep(const BrdfSample& sample);
 
   InformationOptions options_;
   InformationGain gain_;
   std::vector<int> opening_;
-  std::vector<bool> spent_;  // measured or rejected
-  std::vector<int> measured_;
+  std::vector<bool> spent_;    // measured or rejected
+  int poses_ = 0;              // measured
+  std::vector<int> measured_;  // those nearest to the samples
   std::vector<BrdfSample> samples_;
   std::optional<DsbrdfFit> fit_;
   std::size_t all_starts_at_ = 0;  // number of samples at which every start is tried again

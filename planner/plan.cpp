@@ -167,6 +167,7 @@ std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInput
   options.gain.max_polar = plan.information.gain.max_polar;
   options.gain.relative_noise = plan.information.gain.relative_noise;
   options.gain.noise = inputs.noise;
+  options.gain.parts = inputs.parts;
   options.prior = plan.prior.process;
   return std::make_unique<ProcessPlanner>(OfferedBy(plan, candidates, inputs.reachable), options,
                                           plan.mind_time ? inputs.costs : SessionCosts{});
@@ -239,6 +240,7 @@ std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inpu
       options.max_poses = plan.max_poses;
       options.prior = plan.prior;
       options.fit = plan.fit;
+      options.gain.parts = inputs.parts;
       return std::make_unique<InformationPlanner>(std::move(candidates), std::move(options));
     }
     case PlannerKind::kSlices: {

@@ -65,6 +65,7 @@ struct PlannerInputs {
   Reachable reachable = {};  // if empty, every candidate above the horizon is
   SessionCosts costs = {};   // kInformation with a learned process; kHierarchical: travel only
   ExpectedNoise noise = {};  // kInformation with a learned process; if empty, a default
+  PartsOf parts = {};        // kInformation: what else the image of a pose shows
   std::shared_ptr<const PcaBasis> pca = nullptr;  // kPivotedQr, kFrost: required
   std::uint64_t seed = 0;                         // kRandom
 };

@@ -46,7 +46,8 @@ Eigen::VectorXf DiagonalOf(const Eigen::MatrixXf& matrix, const Eigen::MatrixXf&
 ProcessGain::ProcessGain(std::vector<Candidate> candidates, const ProcessGainOptions& options)
     : candidates_(std::move(candidates)),
       options_(options),
-      targets_(SpreadDirections(options.targets, options.max_polar)) {
+      targets_(SpreadDirections(options.targets, options.max_polar)),
+      parts_(candidates_, options_.parts) {
   for (const Candidate& candidate : candidates_) {
     rows_ = std::max(rows_, candidate.row + 1);
     columns_ = std::max(columns_, candidate.column + 1);
@@ -231,10 +232,45 @@ std::vector<int> ProcessGain::Near(int candidate) const {
   return near;
 }
 
+double ProcessGain::ImageGain(const std::vector<int>& parts, int frames) const {
+  const auto count = std::ssize(parts);
+  std::vector<std::vector<double>> noise;
+  for (const int part : parts) noise.push_back(NoiseVariance(part, frames));
+  double gain = 0;
+  for (std::size_t g = 0; g < groups_.size(); ++g) {
+    const ProcessModel::Group& group = model_->groups()[g];
+    const double own = model_error_ * model_error_ *
+                       model_->transform()
+                           .cwiseAbs2()
+                           .rowwise()
+                           .sum()
+                           .segment(group.first_series, group.series)
+                           .mean();
+    Eigen::MatrixXd phi(features_[g].rows(), count);
+    Eigen::VectorXd shared(count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      phi.col(k) = features_[g].col(parts[k]).cast<double>();
+      shared[k] = std::sqrt(std::max(noise[k][g] - own, 0.0));
+    }
+    Eigen::MatrixXd expected = phi.transpose() * (groups_[g].covariance * phi);
+    expected += shared * shared.transpose();
+    expected.diagonal().array() += own + 1e-9;
+    const Eigen::MatrixXd drop = phi.transpose() * (groups_[g].taught * phi);
+    gain += expected.llt().solve(drop).trace();
+  }
+  return gain;
+}
+
 std::vector<double> ProcessGain::GainsOf(const std::vector<int>& candidates, int frames) const {
   const auto count = static_cast<Eigen::Index>(candidates.size());
   std::vector<double> gains(candidates.size(), 0);
   if (!(total_ > 0)) return gains;
+  if (parts_.any()) {
+    for (Eigen::Index k = 0; k < count; ++k) {
+      gains[k] = ImageGain(parts_.Of(candidates[k]), frames) / total_;
+    }
+    return gains;
+  }
   std::vector<Eigen::VectorXf> variances;
   std::vector<Eigen::VectorXf> numerators;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
@@ -279,6 +315,9 @@ ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Wort
       passed[candidate] = true;
     }
   }
+  for (const int candidate : parts_.scouts()) {
+    if (!passed[candidate]) near.push_back(candidate);
+  }
   Choice best;
   const std::vector<double> gains = GainsOf(near);
   for (std::size_t k = 0; k < near.size(); ++k) {
@@ -294,6 +333,11 @@ ProcessGain::Choice ProcessGain::Best(const std::vector<bool>& spent, const Wort
 }
 
 void ProcessGain::Suppose(int candidate, int frames) {
+  if (!parts_.any()) return SupposeOne(candidate, frames);
+  for (const int part : parts_.Of(candidate)) SupposeOne(part, frames);
+}
+
+void ProcessGain::SupposeOne(int candidate, int frames) {
   const std::vector<double> noise = NoiseVariance(candidate, frames);
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     GroupState& state = groups_[g];

@@ -11,6 +11,7 @@
 
 #include "fitting/process_fit.h"
 #include "planner/candidates.h"
+#include "planner/image_parts.h"
 #include "planner/information_gain.h"
 #include "planner/planner.h"
 #include "planner/spread_directions.h"
@@ -20,6 +21,7 @@ namespace gonio {
 struct ProcessGainOptions {
   Objective objective = Objective::kMale;
   double max_polar = 1.3962634;   // rad (80 deg): directions nearer to the horizon do not count
+  PartsOf parts = {};             // what else the image of a pose shows
   ExpectedNoise noise = {};       // of a reading; if empty:
   double relative_noise = 0.015;  // > 0: its relative sigma
   double absolute_noise = 5e-4;   // 1/sr, > 0: the same of a dark sample
@@ -37,11 +39,17 @@ struct ProcessGainOptions {
 // the expected absolute error that falls fastest; r: variance of a reading. A thinned set of
 // candidates is scored first, then all those near its best.
 //
+// Of an image with several samples, phi holds a column for each, and phi' P phi + r is a matrix:
+// all of r but the model error is one draw for the image, which its parts do not average out. Such
+// gains are found for the scouts of ImageParts and around the best of the thinned candidates.
+//
 // Supposing a candidate measured changes P by a matrix of rank one, and all scores with it in a few
 // operations each: so a batch can be chosen one by one without measuring in between.
 class ProcessGain {
  public:
   ProcessGain(std::vector<Candidate> candidates, const ProcessGainOptions& options);
+  ProcessGain(const ProcessGain&) = delete;
+  ProcessGain& operator=(const ProcessGain&) = delete;
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
 
@@ -88,11 +96,15 @@ class ProcessGain {
   std::vector<double> NoiseVariance(int candidate, int frames) const;
   Rgb Noise(const DirectionPair& pair, const Rgb& f_r) const;
   std::vector<int> Near(int candidate) const;
+  // The gain of all parts of an image together, not yet as a share.
+  double ImageGain(const std::vector<int>& parts, int frames) const;
+  void SupposeOne(int candidate, int frames);
 
   std::vector<Candidate> candidates_;
   ProcessGainOptions options_;
   std::vector<SpreadDirection> targets_;
   std::vector<int> coarse_;
+  ImageParts parts_;
   std::vector<std::vector<int>> cells_;  // candidates of each raster cell
   int rows_ = 0;
   int columns_ = 0;

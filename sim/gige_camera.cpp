@@ -65,6 +65,7 @@ class GigeCamera::Impl {
   void SetPacketLoss(double ratio);
   void SetTemperature(double temperature) { temperature_ = temperature; }
   int exposures() const { return exposures_; }
+  bool exposing() const { return exposing_; }
 
  private:
   static void Fill(ArvBuffer* buffer, void* self, guint32, guint32, ArvPixelFormat) {
@@ -85,6 +86,7 @@ class GigeCamera::Impl {
   double packet_loss_ = 0;
   std::atomic<double> temperature_;
   std::atomic<int> exposures_ = 0;
+  std::atomic<bool> exposing_ = false;
   std::vector<std::uint16_t> counts_;
 
   std::mutex mutex_;
@@ -160,7 +162,9 @@ void GigeCamera::Impl::Write(std::uint32_t address, const std::string& text) {
 void GigeCamera::Impl::Wait(Seconds exposure) {
   const Seconds time(std::min(exposure.count() / settings_.rate, kLongestExposure));
   std::unique_lock lock(mutex_);
+  exposing_ = true;
   stopped_.wait_for(lock, time, [&] { return stopping_; });
+  exposing_ = false;
 }
 
 void GigeCamera::Impl::Expose(ArvBuffer* buffer) {
@@ -208,5 +212,6 @@ void GigeCamera::SetTemperature(double temperature_c) { impl_->SetTemperature(te
 void GigeCamera::Disappear() { impl_->Stop(); }
 Result<void> GigeCamera::Return() { return impl_->Start(); }
 int GigeCamera::exposures() const { return impl_->exposures(); }
+bool GigeCamera::exposing() const { return impl_->exposing(); }
 
 }  // namespace gonio

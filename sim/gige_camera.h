@@ -90,6 +90,7 @@ class GigeCamera {
   Result<void> Return();
 
   int exposures() const;  // that have ended so far
+  bool exposing() const;  // one is under way. Any thread
 
  private:
   class Impl;

@@ -30,7 +30,7 @@ StepFrames::StepFrames(const StepParts& parts, const StepOptions& options, std::
       step_(std::move(step)),
       format_(SensorFormatOf(parts.rig, *parts.devices.camera)),
       taker_(parts.rig, parts.devices),
-      kinematics_(parts.rig) {
+      paths_(parts.rig) {
   fs::create_directories(options.folder);
 }
 
@@ -55,21 +55,21 @@ DirectionPair StepFrames::Pose() const {
 
 Result<void> StepFrames::GoTo(const DirectionPair& pair) {
   if (!prepared_) {
-    if (auto homed = HomeAll(parts_.devices, options_.stop); !homed) return homed;
+    if (auto homed = HomeAll(parts_.rig.motion, parts_.devices, options_.stop); !homed)
+      return homed;
     if (auto lit = parts_.devices.light->SetLevel(parts_.rig.light_level); !lit) return lit;
     prepared_ = true;
   }
   const auto from = ReadPositions(parts_.devices);
   if (!from) return from.error();
-  const auto target = kinematics_.Inverse(pair, *from);
-  if (!target) {
-    return Error{ErrorCode::kRefused,
-                 fmt::format("light at {:.1f}, camera at {:.1f} degrees from the normal: the arms "
-                             "cannot be there",
+  const auto path = paths_.PlanTo(*from, pair);
+  if (!path) {
+    return Error{path.error().code,
+                 fmt::format("light at {:.1f}, camera at {:.1f} degrees from the normal: {}",
                              DegFromRad(std::acos(pair.cos_theta_i())),
-                             DegFromRad(std::acos(pair.cos_theta_o())))};
+                             DegFromRad(std::acos(pair.cos_theta_o())), path.error().message)};
   }
-  const auto arrival = MoveAll(parts_.rig, parts_.devices, parts_.clock, *target, options_.stop);
+  const auto arrival = MoveAlong(parts_.rig, parts_.devices, parts_.clock, *path, options_.stop);
   if (!arrival) return arrival.error();
   readback_ = arrival->readback;
   const CameraInfo& camera = parts_.rig.camera;

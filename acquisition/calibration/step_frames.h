@@ -11,7 +11,7 @@
 #include "acquisition/calibration/steps.h"
 #include "acquisition/frame_taker.h"
 #include "acquisition/image_regions.h"
-#include "acquisition/kinematics.h"
+#include "acquisition/path_planner.h"
 #include "brdf/direction.h"
 
 namespace gonio {
@@ -66,7 +66,7 @@ class StepFrames {
   const std::string step_;
   const SensorFormat format_;
   FrameTaker taker_;
-  const Kinematics kinematics_;
+  const PathPlanner paths_;
   bool prepared_ = false;
   ArmAngles readback_{};
   std::vector<ImageRegion> regions_;

@@ -110,6 +110,7 @@ void OpenRealCamera(const RigConfig& config, OpenedRig& rig) {
   if (!camera) Refuse(config.camera_device.where, camera.error(), *rig.wires);
   CheckCamera(config, (*camera)->info());
   rig.devices.camera = std::move(camera).value();
+  rig.genicam = dynamic_cast<const GenicamCamera*>(rig.devices.camera.get());
 }
 
 }  // namespace

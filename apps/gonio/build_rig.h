@@ -11,6 +11,7 @@
 #include "brdf/brdf.h"
 #include "core/clock.h"
 #include "drivers/axis_opener.h"
+#include "drivers/genicam_camera.h"
 #include "drivers/link_log.h"
 #include "planner/candidates.h"
 #include "sim/sim_config.h"
@@ -30,6 +31,7 @@ struct OpenedRig {
   std::unique_ptr<Clock> clock;    // virtual on a simulated rig
   std::shared_ptr<LinkLog> wires;  // of the real devices; null on a simulated rig
   Devices devices;
+  const GenicamCamera* genicam = nullptr;  // devices.camera, if it is one
 };
 
 // A simulated rig with the limits, speeds and noise of this one, be it real or not. It looks at

@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/gonio/camera_double.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <string_view>
 #include <utility>
 
 #include "core/error.h"
+#include "core/sha256.h"
 #include "sim/sim_imager.h"
 #include "sim/sim_scene.h"
 
@@ -67,20 +72,36 @@ class Scene {
   SimImager imager_;
 };
 
+std::shared_ptr<std::ofstream> OpenLog(const std::filesystem::path& path) {
+  if (path.empty()) return nullptr;
+  auto log = std::make_shared<std::ofstream>(path);
+  if (!*log) throw ConfigError(path.string() + ": cannot be written");
+  return log;
+}
+
+void Log(const GigeExposure& exposure, const std::vector<std::uint16_t>& counts,
+         std::ofstream& log) {
+  const std::string_view bytes(reinterpret_cast<const char*>(counts.data()),
+                               counts.size() * sizeof counts[0]);
+  log << fmt::format("{} {:.6f}\n", Sha256(bytes), exposure.exposure.count()) << std::flush;
+}
+
 }  // namespace
 
 std::unique_ptr<GigeCamera> ServeCamera(const RigFile& file, const DeviceBench& bench,
-                                        const Brdf& sample, double speed) {
+                                        const Brdf& sample, const CameraDoubleOptions& options) {
   const CameraDevice& device = file.config.camera_device;
   if (device.genicam.address.rfind("127.", 0) != 0) {
     throw ConfigError(device.where +
                       ": a double can be served on loopback only: address: 127.0.0.1");
   }
-  const GigeCameraSettings settings = SettingsOf(file, speed);
+  const GigeCameraSettings settings = SettingsOf(file, options.speed);
   const auto scene = std::make_shared<Scene>(file, settings, bench, sample);
+  const auto log = OpenLog(options.frames_log);
   auto camera = GigeCamera::Serve(
-      settings, [scene](const GigeExposure& exposure, std::vector<std::uint16_t>& counts) {
+      settings, [scene, log](const GigeExposure& exposure, std::vector<std::uint16_t>& counts) {
         scene->Expose(exposure, counts);
+        if (log) Log(exposure, counts, *log);
       });
   if (!camera) throw ConfigError(device.where + ": " + camera.error().message);
   return std::move(camera).value();

@@ -215,6 +215,21 @@ Action SetUpSimDevices(CLI::App& app) {
   app.add_option(
       "--material", o->material,
       "What a double of the rig's camera sees: MERL .binary, RGL .bsdf or material .yaml");
+  constexpr const char* kDouble = "Double of the camera";
+  app.add_option("--packet-loss-percent", o->packet_loss_percent,
+                 "Packets of images that never arrive")
+      ->check(CLI::Range(0.0, 100.0))
+      ->group(kDouble);
+  app.add_option("--camera-gone-after", o->camera_gone_after,
+                 "Exposures after which it is unplugged (default: never)")
+      ->check(CLI::PositiveNumber)
+      ->group(kDouble);
+  app.add_option("--camera-gone-for-s", o->camera_gone_for_s,
+                 "Until it is plugged in again (default: for good)")
+      ->check(CLI::PositiveNumber)
+      ->group(kDouble);
+  app.add_option("--frames-log", o->frames_log, "SHA-256 of every frame's counts as it was sent")
+      ->group(kDouble);
   app.add_option("command", o->command,
                  "-- COMMAND ...: started so that it sees them, and nothing else; without it, your "
                  "shell");

@@ -146,6 +146,12 @@ struct SimDevicesOptions {
   double speed = 1;                  // of the doubles' moves, > 0
   std::string material;              // that a double of a camera sees; empty: kDefaultMaterial
   std::vector<std::string> command;  // that sees them; empty: a shell
+
+  // Of a double of the rig's camera.
+  double packet_loss_percent = 0;
+  int camera_gone_after = 0;         // exposures, after which it is unplugged; 0: never
+  double camera_gone_for_s = 0;      // until it is plugged in again; 0: for good
+  std::filesystem::path frames_log;  // SHA-256 of every frame's counts as it was sent; empty: none
 };
 // What the command ended with.
 int SimDevicesCommand(const SimDevicesOptions& options);

@@ -71,6 +71,7 @@ class Task {
         MakePlanner(plan_, {.reachable = MeasurablePoses(rig_file.config, truth_.get()),
                             .costs = CostsOn(rig_file.config),
                             .noise = NoiseOn(rig_file.config),
+                            .parts = PartsOn(rig_file.config),
                             .pca = session_.learned != nullptr ? session_.learned->pca : nullptr,
                             .seed = session_.seed});
     OpenedRig rig = OpenSimulated(rig_file, *truth_, session_.seed);

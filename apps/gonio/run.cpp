@@ -77,6 +77,7 @@ std::unique_ptr<Planner> PlannerFor(const Setup& setup, std::uint64_t seed) {
                      {.reachable = MeasurablePoses(setup.rig.config, setup.SimulatedSample()),
                       .costs = CostsOn(setup.rig.config),
                       .noise = NoiseOn(setup.rig.config),
+                      .parts = PartsOn(setup.rig.config),
                       .seed = seed});
 }
 
@@ -169,6 +170,18 @@ void RecordWires(const LinkLog& wires, const SessionSummary& summary, EventLog& 
   }
 }
 
+// "612 frames, 14 taken again (13 missing packets, 1 none), found again 0 times".
+std::string TextOf(const GenicamCounters& counters) {
+  std::string bad;
+  for (const auto& [what, count] : counters.bad) {
+    bad += fmt::format("{}{} {}", bad.empty() ? " (" : ", ", count, what);
+  }
+  if (!bad.empty()) bad += ")";
+  return fmt::format(
+      "{} frames, {} taken again{}, {} discarded after a change, lost and found {} times",
+      counters.frames, counters.retries, bad, counters.discarded, counters.reopened);
+}
+
 void FitAndPrint(const SessionSummary& summary, const Setup& setup, const fs::path& out) {
   try {
     const DsbrdfFit fit = FitDsbrdf(summary.Samples(), setup.plan.prior, setup.plan.fit);
@@ -214,6 +227,11 @@ int RunCommand(const RunOptions& options) {
                    [&](const Progress& progress) { line.Show(progress); });
   }
   ReportFault(summary, options.out);
+  if (rig.genicam != nullptr) {
+    const std::string frames = TextOf(rig.genicam->counters());
+    (void)log.AppendNote(summary.duration, "camera", frames);
+    fmt::print("camera           {}\n", frames);
+  }
   rig.devices = {};  // stops and switches off: the last words on their wires
   if (rig.wires) {
     RecordWires(*rig.wires, summary, log);

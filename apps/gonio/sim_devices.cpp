@@ -13,6 +13,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <stdexcept>
+#include <thread>
 
 #include "apps/gonio/build_rig.h"
 #include "apps/gonio/camera_double.h"
@@ -74,6 +75,31 @@ int RunOn(std::vector<std::string> command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : kFailed;
 }
 
+// Unplugs the camera after some exposures, and plugs it in again.
+void TroubleCamera(GigeCamera& camera, const SimDevicesOptions& options, std::stop_token stop) {
+  constexpr Seconds kLook{0.02};
+  SystemClock clock;
+  while (camera.exposures() < options.camera_gone_after) {
+    if (stop.stop_requested()) return;
+    clock.SleepFor(kLook, stop);
+  }
+  camera.Disappear();
+  fmt::print(stderr, "sim-devices: the camera is unplugged\n");
+  if (options.camera_gone_for_s <= 0) return;
+  clock.SleepFor(Seconds(options.camera_gone_for_s), stop);
+  const auto back = camera.Return();
+  fmt::print(stderr, "sim-devices: {}\n",
+             back.ok() ? "the camera is plugged in again" : back.error().message);
+}
+
+void RefuseWithoutCamera(const SimDevicesOptions& options) {
+  const std::string why = ": the camera of " + options.rig + " is simulated by the command itself";
+  if (!options.material.empty()) throw ConfigError("--material" + why + ", give it there");
+  if (options.packet_loss_percent > 0) throw ConfigError("--packet-loss-percent" + why);
+  if (options.camera_gone_after > 0) throw ConfigError("--camera-gone-after" + why);
+  if (!options.frames_log.empty()) throw ConfigError("--frames-log" + why);
+}
+
 }  // namespace
 
 int SimDevicesCommand(const SimDevicesOptions& options) {
@@ -82,15 +108,16 @@ int SimDevicesCommand(const SimDevicesOptions& options) {
   const DeviceBench bench(devices, std::make_shared<SystemClock>(options.speed));
   std::unique_ptr<Brdf> sample;
   std::unique_ptr<GigeCamera> camera;
-  const bool double_of_camera =
-      file.config.camera_device.driver != CameraDevice::Driver::kSimulated;
-  if (!double_of_camera && !options.material.empty()) {
-    throw ConfigError("--material: the camera of " + options.rig +
-                      " is simulated by the command itself, which takes --material, too");
-  }
-  if (double_of_camera) {
+  std::jthread trouble;
+  if (file.config.camera_device.driver == CameraDevice::Driver::kSimulated) {
+    RefuseWithoutCamera(options);
+  } else {
     sample = OpenAny(LocateConfig(options.material.empty() ? kDefaultMaterial : options.material));
-    camera = ServeCamera(file, bench, *sample, options.speed);
+    camera = ServeCamera(file, bench, *sample, {options.speed, options.frames_log});
+    camera->SetPacketLoss(options.packet_loss_percent / 100);
+    if (options.camera_gone_after > 0) {
+      trouble = std::jthread([&](std::stop_token stop) { TroubleCamera(*camera, options, stop); });
+    }
   }
   return RunOn(CommandOf(options));
 }

@@ -80,6 +80,7 @@ SimulatedSession Simulate(const RigFile& rig_file, const NamedPlan& named,
       MakePlanner(plan, {.reachable = MeasurablePoses(rig_file.config, material.brdf.get()),
                          .costs = CostsOn(rig_file.config),
                          .noise = NoiseOn(rig_file.config),
+                         .parts = PartsOn(rig_file.config),
                          .seed = seed});
   OpenedRig rig = OpenSimulated(rig_file, *material.brdf, seed);
   const SessionSummary summary =

@@ -21,7 +21,7 @@ inline bool in_own_network = false;
 // Before there is a second thread.
 inline void EnterOwnNetwork() {
   if (unshare(CLONE_NEWNET) != 0 && unshare(CLONE_NEWUSER | CLONE_NEWNET) != 0) {
-    flock(open("/proc/self/exe", O_RDONLY | O_CLOEXEC), LOCK_EX);
+    flock(open(GONIO_SOURCE_DIR "/CMakeLists.txt", O_RDONLY | O_CLOEXEC), LOCK_EX);
     return;
   }
   in_own_network = true;

@@ -56,6 +56,32 @@ TEST(ProcessGain, SupposesWhatMeasuringWouldTeach) {
   EXPECT_LT(gain.GainOf(151), 0.3 * before);
 }
 
+TEST(ProcessGain, OfAnImageIsMoreThanThatOfItsBestPartAndLessThanTheirSum) {
+  const auto model = std::make_shared<const ProcessModel>(*SmallProcessPrior().process);
+  const ProcessOptions process;
+  const std::vector<Candidate> candidates = Candidates();
+  const std::vector<int> parts = {5, 60, 110};
+  const auto gain_of = [&](PartsOf shown) {
+    ProcessGainOptions options;
+    options.targets = 200;
+    options.parts = std::move(shown);
+    ProcessGain gain(candidates, options);
+    gain.Learn(model, ProcessPosterior(*model, {}, process), process);
+    return gain.GainsOf({5, 60, 110, 150});
+  };
+  const std::vector<double> alone = gain_of({});
+  const std::vector<double> same =
+      gain_of([](const DirectionPair& pair) { return std::vector<DirectionPair>{pair}; });
+  for (std::size_t i = 0; i < alone.size(); ++i) EXPECT_NEAR(same[i], alone[i], 5e-3 * alone[i]);
+  const double image = gain_of([&](const DirectionPair& pair) {
+    std::vector<DirectionPair> all = {pair};
+    for (const int part : parts) all.push_back(candidates[part].directions);
+    return all;
+  })[3];
+  EXPECT_GT(image, *std::max_element(alone.begin(), alone.end()));
+  EXPECT_LT(image, std::min(1.0, 1.1 * (alone[0] + alone[1] + alone[2] + alone[3])));
+}
+
 TEST(ProcessGain, ChoosesTheSameWhetherScoredAtOnceOrInTwoSteps) {
   const auto model = std::make_shared<const ProcessModel>(*SmallProcessPrior().process);
   const ProcessOptions process;
