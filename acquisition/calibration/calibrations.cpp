@@ -5,6 +5,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -122,6 +124,22 @@ void CopyCalibrations(const Calibrations& calibrations, const std::filesystem::p
     for (const fs::path& image : file.images) CopyFile(image, folder, "");
     CopyFile(file.path, folder, file.sha256);
   }
+}
+
+Calibrations LoadCopies(const std::filesystem::path& folder) {
+  CalibrationPolicy policy;
+  policy.folder = folder;
+  policy.max_age = std::numeric_limits<double>::infinity();
+  std::optional<SensorFormat> format;
+  std::int64_t newest = 0;
+  for (const CalibrationKind kind : kCalibrationKinds) {
+    const fs::path path = folder / FileNameOf(kind);
+    if (!fs::exists(path)) continue;
+    const CalibrationHeader header = ReadCalibrationHeader(path);
+    if (!format) format = header.format;
+    newest = std::max(newest, header.created);
+  }
+  return format ? LoadCalibrations(policy, *format, newest) : Calibrations{};
 }
 
 }  // namespace gonio

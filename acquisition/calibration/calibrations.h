@@ -56,4 +56,8 @@ std::vector<std::string> OldOnes(const Calibrations& calibrations, const Calibra
 // must be the same bytes. Throws std::runtime_error or ConfigError.
 void CopyCalibrations(const Calibrations& calibrations, const std::filesystem::path& folder);
 
+// What a session was reduced with, from the copies in it: of whatever camera and age they are. An
+// empty folder, or none, gives none. Throws ConfigError as LoadCalibrations().
+Calibrations LoadCopies(const std::filesystem::path& folder);
+
 }  // namespace gonio

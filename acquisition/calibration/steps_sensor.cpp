@@ -79,6 +79,54 @@ int Brightest(const PhotonTransfer& transfer) {
   return static_cast<int>(std::max_element(means.begin(), means.end()) - means.begin());
 }
 
+// What a photon transfer series says.
+struct Series {
+  PhotonTransfer transfer;  // of counts as they are
+  LinearityFit line;
+  SensorCalibration sensor;
+};
+
+// `times`: frames of each exposure.
+Result<Series> EvaluateSeries(const StepFrames& step, const Calibrations& earlier,
+                              const std::vector<FlatPair>& pairs, int times) {
+  const SensorFormat& format = step.format();
+  TransferOptions options;
+  options.bad = earlier.bad_pixels->mask;
+  auto transfer = MeasurePhotonTransfer(format, pairs, options);
+  if (!transfer) return transfer.error();
+  LinearityOptions linear;
+  linear.channel = Brightest(*transfer);
+  linear.dark_rate = MeanRate(*earlier.dark);
+  const RadiometryConfig& r = step.rig().radiometry;
+  linear.light_noise = std::hypot(r.multiplicative_noise, r.monitor_noise) / std::sqrt(times / 2.0);
+  linear.min_counts = 0.01 * format.full_scale;
+  auto line = MeasureLinearity(Joined(transfer->points, linear.channel), linear);
+  if (!line) return line.error();
+  Series series{std::move(transfer).value(), std::move(line).value(), {}};
+  SensorCalibration& sensor = series.sensor;
+  sensor = {series.transfer.gain, series.transfer.read_noise, series.transfer.full_well,
+            Linearity::Identity(format.full_scale)};
+  if (series.line.significant) sensor.linearity = series.line.table;
+  return series;
+}
+
+std::vector<std::string> LinesOf(const Series& series) {
+  const SensorCalibration& sensor = series.sensor;
+  const PhotonTransfer& transfer = series.transfer;
+  return {fmt::format("gain             {:.4g} +- {:.2g} electrons/count", sensor.gain.value,
+                      sensor.gain.sigma),
+          fmt::format("read noise       {:.4g} +- {:.2g} electrons{}", sensor.read_noise.value,
+                      sensor.read_noise.sigma,
+                      transfer.read_noise_hidden ? ", an upper limit: rounding hides it" : ""),
+          fmt::format("full well        {}{:.5g} +- {:.2g} electrons{}",
+                      transfer.full_well_reached ? "" : "at least ", sensor.full_well.value,
+                      sensor.full_well.sigma,
+                      transfer.full_well_is_full_scale ? ", where the converter ends" : ""),
+          fmt::format("linearity        {:.2f} +- {:.2f} % off at most: {}",
+                      100 * series.line.max_residual, 100 * series.line.max_residual_sigma,
+                      series.line.significant ? "corrected" : "not significant, not corrected")};
+}
+
 // How much less light than in the middle each pixel's part of the tile gets, so that the flat is of
 // the camera alone. All 1 where pixels do not have their own directions.
 std::vector<float> LightOnPixels(const RigConfig& rig, const ArmAngles& arms) {
@@ -171,15 +219,15 @@ Result<StepReport> CalibratePhotonTransfer(const StepParts& parts, const StepOpt
   StepFrames step(parts, options, "photon-transfer");
   const Calibrations earlier = step.Earlier({CalibrationKind::kDark, CalibrationKind::kBadPixels});
   if (auto there = step.GoTo(step.Pose()); !there) return there.error();
-  const RigConfig& rig = parts.rig;
+  const CameraInfo& camera = parts.rig.camera;
   const int times = options.frames > 0 ? options.frames + options.frames % 2 : kTransferFrames;
   const auto choose = [&]() -> Result<std::vector<double>> {
     const auto half = step.Meter(0.5);
     if (!half) return half.error();
     std::vector<double> exposures;
     for (const double level : TransferLevels()) {
-      const double exposure = std::clamp(level / 0.5 * *half, rig.camera.min_exposure.count(),
-                                         rig.camera.max_exposure.count());
+      const double exposure =
+          std::clamp(level / 0.5 * *half, camera.min_exposure.count(), camera.max_exposure.count());
       if (exposures.empty() || exposure > exposures.back()) exposures.push_back(exposure);
     }
     return Repeated(exposures, times);
@@ -187,40 +235,13 @@ Result<StepReport> CalibratePhotonTransfer(const StepParts& parts, const StepOpt
   auto frames = step.Take(true, "", choose);
   if (!frames) return frames.error();
   const CalibrationStamp stamp = step.Stamp(*frames);
-  TransferOptions transfer_options;
-  transfer_options.bad = earlier.bad_pixels->mask;
-  const auto transfer =
-      MeasurePhotonTransfer(step.format(), PairsOf(std::move(frames).value()), transfer_options);
-  if (!transfer) return transfer.error();
-  LinearityOptions linear;
-  linear.channel = Brightest(*transfer);
-  linear.dark_rate = MeanRate(*earlier.dark);
-  linear.light_noise =
-      std::hypot(rig.radiometry.multiplicative_noise, rig.radiometry.monitor_noise) /
-      std::sqrt(times / 2.0);
-  linear.min_counts = 0.01 * step.format().full_scale;
-  const auto line = MeasureLinearity(Joined(transfer->points, linear.channel), linear);
-  if (!line) return line.error();
-  SensorCalibration sensor{transfer->gain, transfer->read_noise, transfer->full_well,
-                           Linearity::Identity(step.format().full_scale)};
-  if (line->significant) sensor.linearity = line->table;
+  const auto series = EvaluateSeries(step, earlier, PairsOf(std::move(frames).value()), times);
+  if (!series) return series.error();
   StepReport report;
   report.files = {step.FileOf(CalibrationKind::kPhotonTransfer)};
-  WriteSensor(report.files[0], stamp, sensor);
+  WriteSensor(report.files[0], stamp, series->sensor);
   step.Finish();
-  report.lines = {
-      fmt::format("gain             {:.4g} +- {:.2g} electrons/count", sensor.gain.value,
-                  sensor.gain.sigma),
-      fmt::format("read noise       {:.4g} +- {:.2g} electrons{}", sensor.read_noise.value,
-                  sensor.read_noise.sigma,
-                  transfer->read_noise_hidden ? ", an upper limit: rounding hides it" : ""),
-      fmt::format("full well        {}{:.5g} +- {:.2g} electrons{}",
-                  transfer->full_well_reached ? "" : "at least ", sensor.full_well.value,
-                  sensor.full_well.sigma,
-                  transfer->full_well_is_full_scale ? ", where the converter ends" : ""),
-      fmt::format("linearity        {:.2f} +- {:.2f} % off at most: {}", 100 * line->max_residual,
-                  100 * line->max_residual_sigma,
-                  line->significant ? "corrected" : "not significant, not corrected")};
+  report.lines = LinesOf(*series);
   return report;
 }
 

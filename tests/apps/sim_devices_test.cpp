@@ -2,10 +2,12 @@
 // A whole session of the program as it is shipped, in a process of its own, on doubles that it
 // finds behind libserialport and libusb.
 
+#include <cmath>
 #include <sstream>
 
 #include "acquisition/session_frames.h"
 #include "acquisition/session_record.h"
+#include "core/config.h"
 #include "core/file.h"
 #include "core/sha256.h"
 #include "core/units.h"
@@ -136,6 +138,27 @@ TEST_F(SimDevices, RefusesTroubleForACameraThatIsNotThere) {
     ExpectRefused(OnBench(std::string("bench-wire.yaml ") + option, "true"), 2,
                   {"the camera of bench-wire.yaml is simulated by the command itself"});
   }
+}
+
+// The steps work on real drivers, too. Example failure: a light that is on while darks are taken.
+TEST_F(SimCameraDevices, ACameraIsCalibrated) {
+  std::string rig = With(Config("bench-camera.yaml"), "max_exposure_s: 10", "max_exposure_s: 0.5");
+  rig = With(rig, "soft_limit_s: 1 ", "soft_limit_s: 0.5 ");
+  File("rig.yaml", rig);
+  File("steps.sh",
+       "set -e\n"
+       "\"$GONIO\" calibrate darks --rig rig.yaml --out cal --frames 4 --quiet\n"
+       "\"$GONIO\" calibrate photon-transfer --rig rig.yaml --out cal --frames 2 --quiet\n"
+       "\"$GONIO\" calibrate status --rig rig.yaml --out cal\n");
+  const Finished finished = OnBench("rig.yaml --material ptfe.yaml", "sh steps.sh");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_THAT(finished.out, HasSubstr("GigE double, serial GP0001"));
+  const ConfigNode dark = ConfigNode::Load(work() / "cal/dark.yaml").Map("estimates");
+  EXPECT_NEAR(std::sqrt(dark.Numbers("dark0_read_variance_counts2", 2)[0]), 8.0 / 4, 0.1);
+  const ConfigNode sensor = ConfigNode::Load(work() / "cal/photon-transfer.yaml").Map("estimates");
+  const auto gain = sensor.Numbers("gain_e_per_count", 2);
+  EXPECT_NEAR(gain[0], 4, 5 * gain[1]);
+  EXPECT_LT(gain[1], 0.1);
 }
 
 TEST_F(SimDevices, ASessionOverTheWiresMeasuresTheSample) {

@@ -72,6 +72,23 @@ TEST(ReduceWithCalibrations, KnowsNothingOfSaturatedChannels) {
   EXPECT_TRUE(std::isfinite(reduced->front().sample.sigma[1]));
 }
 
+// A session can be reduced again from what lies in it.
+TEST(ReduceWithCalibrations, GivesTheSameToTheLastBitFromCopies) {
+  SimulatedRig rig(WhiteTile(), 1, ImperfectRig(), ImperfectTruth());
+  PoseMeasurer measurer = rig.Prepared();
+  const auto record = measurer.Measure(PairAt(25, 30, 60), std::nullopt, {});
+  ASSERT_TRUE(record.ok());
+  const Calibrations used = LoadFrom(CalibratedFolder());
+  const TempDir dir;
+  CopyCalibrations(used, dir.path() / "calibration");
+  const auto first = Reduce(*record, rig.rig, used);
+  const auto again = Reduce(*record, rig.rig, LoadCopies(dir.path() / "calibration"));
+  ASSERT_TRUE(first.ok() && again.ok());
+  EXPECT_TRUE((first->front().sample.f_r == again->front().sample.f_r).all());
+  EXPECT_TRUE((first->front().sample.sigma == again->front().sample.sigma).all());
+  EXPECT_TRUE(LoadCopies(dir.path() / "none").empty());
+}
+
 struct Measured {
   Rgb f_r;
   Rgb random;

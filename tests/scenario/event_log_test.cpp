@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <limits>
 
 #include "acquisition/event_log_sqlite.h"
@@ -53,10 +54,19 @@ TEST(EventLog, KeepsAPoseAndItsSampleToTheLastBit) {
   const TempDir dir;
   EventLog log = EventLog::Create(dir / "s", SomeInfo());
   ASSERT_TRUE(log.AppendPose(SomeNote(1), SomeRecord()).ok());
-  ASSERT_TRUE(log.AppendSamples(1, Seconds(1), {{SomeSample(), {}}}).ok());
+  UncertaintyBudget budget;
+  budget[UncertaintyTerm::kFlat] = Rgb(0.003, 0, 0);
+  budget[UncertaintyTerm::kResponsivity] = Rgb(0.004, 0.5, 0);
+  ASSERT_TRUE(log.AppendSamples(1, Seconds(5), {{SomeSample(), budget}}).ok());
 
   const SessionRecord session = ReadSession(dir / "s");
   ASSERT_EQ(session.poses.size(), 1u);
+  EXPECT_NEAR(session.poses[0].systematic[0][0], 0.005, 1e-15);
+  EXPECT_EQ(session.poses[0].systematic[0][1], 0.5);
+  EXPECT_TRUE(std::isinf(session.poses[0].systematic[0][2])) << "it was not measured";
+  EXPECT_EQ(
+      session.events.back().body,
+      R"({"pose":1,"sigma_per_sr":[{"flat":[0.003,0.0,null],"responsivity":[0.004,0.5,null]}]})");
   const MeasuredPose& pose = session.poses[0];
   const BrdfSample expected = SomeSample();
   EXPECT_EQ(pose.samples.front().directions.wi, expected.directions.wi);

@@ -68,6 +68,32 @@ TEST(SessionRecord, RefusesAnotherProgramsDatabase) {
               HasSubstr("some other program"));
 }
 
+// What the second format did not have is taken away.
+TEST(SessionRecord, ReadsTheFormatBefore) {
+  const TempDir dir;
+  Bench bench;
+  {
+    EventLog log = EventLog::Create(dir / "s", SomeInfo());
+    ScriptedPlanner planner({Degrees(5, 20)});
+    bench.Run(planner, &log);
+  }
+  const SessionRecord now = ReadSession(dir / "s");
+  {
+    sqlite::Database db(dir / "s" / kSessionFile, SQLITE_OPEN_READWRITE);
+    db.Execute(
+        "DROP VIEW measurements; DROP TRIGGER meta_refuse_DELETE;"
+        "DELETE FROM meta WHERE key = 'calibrations';"
+        "ALTER TABLE samples DROP COLUMN sigma_systematic_red;"
+        "ALTER TABLE samples DROP COLUMN sigma_systematic_green;"
+        "ALTER TABLE samples DROP COLUMN sigma_systematic_blue; PRAGMA user_version = 2");
+  }
+  const SessionRecord before = ReadSession(dir / "s");
+  ASSERT_EQ(before.poses.size(), 1u);
+  EXPECT_TRUE((before.poses[0].samples[0].f_r == now.poses[0].samples[0].f_r).all());
+  EXPECT_TRUE((before.poses[0].systematic[0] == 0).all());
+  EXPECT_TRUE(before.info.calibrations.empty());
+}
+
 TEST(SessionRecord, RefusesAnotherFormatVersion) {
   const TempDir dir;
   { EventLog log = EventLog::Create(dir / "s", SomeInfo()); }
@@ -76,7 +102,7 @@ TEST(SessionRecord, RefusesAnotherFormatVersion) {
     db.Execute("PRAGMA user_version = 99");
   }
   EXPECT_THAT(MessageOf<ConfigError>([&] { (void)ReadSession(dir / "s"); }),
-              HasSubstr("has session format 99, this program reads formats 1 to 2"));
+              HasSubstr("has session format 99, this program reads formats 1 to 3"));
 }
 
 TEST(SessionRecord, RefusesADamagedFile) {

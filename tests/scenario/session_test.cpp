@@ -82,8 +82,9 @@ TEST(Session, LogsEverythingInOrder) {
   ScriptedPlanner planner({Degrees(5, 20), OutOfReach(), Degrees(30, 40)});
   const SessionSummary summary = bench.Run(planner, &log);
   const SessionRecord session = ReadSession(dir / "s");
-  EXPECT_THAT(KindsOf(session), ElementsAre("session_start", "prepared", "pose_measured",
-                                            "pose_rejected", "pose_measured", "session_end"));
+  EXPECT_THAT(KindsOf(session),
+              ElementsAre("session_start", "prepared", "pose_measured", "pose_reduced",
+                          "pose_rejected", "pose_measured", "pose_reduced", "session_end"));
   for (std::size_t i = 1; i < session.events.size(); ++i) {
     EXPECT_GE(session.events[i].time, session.events[i - 1].time);
   }
@@ -172,8 +173,9 @@ TEST(Session, EndsWithEveryArmAtRestWhenADeviceIsGone) {
   EXPECT_EQ(bench.lamp->level(), 0);
   const SessionRecord session = ReadSession(dir / "s");
   EXPECT_EQ(session.poses.size(), 2u);
-  EXPECT_THAT(KindsOf(session), ElementsAre("session_start", "prepared", "pose_measured",
-                                            "pose_measured", "error", "session_end"));
+  EXPECT_THAT(KindsOf(session),
+              ElementsAre("session_start", "prepared", "pose_measured", "pose_reduced",
+                          "pose_measured", "pose_reduced", "error", "session_end"));
   EXPECT_EQ(session.end->outcome, "device fault");
 }
 
