@@ -70,9 +70,25 @@ void VisitAzimuths(double difference, const AxisLimits& light, const AxisLimits&
 
 Kinematics::Kinematics(const RigConfig& rig) : geometry_(rig.geometry) {
   std::transform(rig.axes.begin(), rig.axes.end(), limits_.begin(), TargetLimits);
+  offsets_ = rig.axis_offsets;
+  for (int i = 0; i < kAxes; ++i) {
+    AxisLimits& limits = limits_[i];
+    limits.min_position += offsets_[i];
+    limits.max_position += offsets_[i];
+    if (!rig.time_model) continue;
+    limits.max_speed = rig.time_model->max_speed[i];
+    limits.acceleration = rig.time_model->acceleration[i];
+    limits.move_overhead = rig.time_model->move_overhead[i];
+  }
 }
 
-DirectionPair Kinematics::Forward(const ArmAngles& angles) const {
+ArmAngles Kinematics::TrueAngles(ArmAngles encoders) const {
+  for (int i = 0; i < kAxes; ++i) encoders[i] += offsets_[i];
+  return encoders;
+}
+
+DirectionPair Kinematics::Forward(const ArmAngles& encoders) const {
+  const ArmAngles angles = TrueAngles(encoders);
   return {FromSpherical(kPi / 2 - angles[kLightElevation], angles[kLightAzimuth]),
           FromSpherical(kPi / 2 - angles[kCameraElevation], angles[kCameraAzimuth])};
 }
@@ -85,6 +101,15 @@ bool Kinematics::Allowed(const DirectionPair& pair) const {
 
 std::optional<ArmAngles> Kinematics::Inverse(const DirectionPair& pair,
                                              const ArmAngles& from) const {
+  std::optional<ArmAngles> angles = TrueInverse(pair, TrueAngles(from));
+  if (!angles) return angles;
+  for (int i = 0; i < kAxes; ++i) (*angles)[i] -= offsets_[i];
+  return angles;
+}
+
+// In true angles, as the limits are.
+std::optional<ArmAngles> Kinematics::TrueInverse(const DirectionPair& pair,
+                                                 const ArmAngles& from) const {
   if (!Allowed(pair)) return std::nullopt;
   const double theta_i = PolarAngle(pair.wi);
   const double theta_o = PolarAngle(pair.wo);

@@ -180,6 +180,7 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   ReadImaging(root, rig);
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));
+  if (root.Has("calibration")) rig.calibration_folder = root.Map("calibration").Text("folder");
   const ConfigNode time = root.Map("time");
   rig.dense_brackets = time.IntegerOr("dense_brackets", rig.dense_brackets, 1, 100);
   rig.dense_exposure =

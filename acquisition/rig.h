@@ -63,6 +63,16 @@ struct RadiometryConfig {
   double monitor_noise = 0;         // relative standard deviation of one monitor reading
 };
 
+// How long moves and frames were found to take (`gonio calibrate time`), in place of what the rig
+// file says.
+struct TimeModel {
+  std::array<double, kAxes> max_speed{};       // rad/s
+  std::array<double, kAxes> acceleration{};    // rad/s^2
+  std::array<Seconds, kAxes> move_overhead{};  // of each move
+  Seconds pose_overhead{0};                    // beside settling: monitor readings, talk
+  Seconds frame_overhead{0};                   // beside exposure and read-out
+};
+
 struct RigConfig {
   std::string name;
   std::string text;                    // the file as it was read, frozen into the session
@@ -85,6 +95,12 @@ struct RigConfig {
   CameraInfo camera;
   Imaging imaging;
   int samples_per_image = 1;  // a power of two; more than 1 only where pixels resolve directions
+  // True angles of the arms minus their encoders' [rad], and how sure the directions of light and
+  // camera are with them [rad]: of a geometry calibration, else unknown.
+  ArmAngles axis_offsets{};
+  std::optional<double> sigma_of_directions;
+  std::filesystem::path calibration_folder;  // `calibration.folder`; empty: there is none
+  std::optional<TimeModel> time_model;       // of a time calibration
 };
 
 // The opened devices. Destroying them stops the axes and switches the light off.

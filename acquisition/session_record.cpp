@@ -86,12 +86,17 @@ BrdfSample ReadSample(const sqlite::Statement& row, int first) {
 }
 
 std::vector<MeasuredPose> ReadPoses(sqlite::Database& db) {
-  constexpr int kFirstSampleColumn = 13;
+  constexpr int kFirstSampleColumn = 22;
   sqlite::Statement row(
       db,
       "SELECT p.pose, p.candidate, p.reason, p.score, p.theta_h_deg, p.theta_d_deg, p.phi_d_deg,"
       " p.move_retries, p.start_s, p.move_s, p.end_s, p.predicted_error,"
       " (SELECT count(*) FROM exposures e WHERE e.pose = p.pose),"
+      " p.commanded_light_azimuth_deg, p.commanded_light_elevation_deg,"
+      " p.commanded_camera_azimuth_deg, p.commanded_camera_elevation_deg,"
+      " p.readback_light_azimuth_deg, p.readback_light_elevation_deg,"
+      " p.readback_camera_azimuth_deg, p.readback_camera_elevation_deg,"
+      " (SELECT total(exposure_s) FROM exposures e WHERE e.pose = p.pose),"
       " s.wi_x, s.wi_y, s.wi_z, s.wo_x, s.wo_y, s.wo_z, s.f_r_red, s.f_r_green, s.f_r_blue,"
       " s.sigma_red, s.sigma_green, s.sigma_blue"
       " FROM poses p JOIN samples s USING (pose) ORDER BY s.rowid");
@@ -113,6 +118,11 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db) {
     pose.end = Seconds(row.Real(10));
     pose.predicted_error = RealOrNull(row, 11);
     pose.frames = static_cast<int>(row.Integer(12));
+    for (int i = 0; i < kAxes; ++i) {
+      pose.commanded[i] = RadFromDeg(row.Real(13 + i));
+      pose.readback[i] = RadFromDeg(row.Real(17 + i));
+    }
+    pose.exposed = Seconds(row.Real(21));
     pose.samples.push_back(ReadSample(row, kFirstSampleColumn));
   }
   return poses;

@@ -22,6 +22,7 @@ RigFile LoadRig(const std::filesystem::path& path) {
   file.config = ReadRig(root, text);
   file.simulation = ReadSim(root);
   root.RefuseUnknownKeys();
+  file.built = file.config.imaging;
   return file;
 }
 
@@ -31,7 +32,7 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
   const SimSetup setup{.axes = file.config.axes,
                        .home_limit = file.config.motion.home_limit,
                        .camera = file.config.camera,
-                       .imaging = file.config.imaging};
+                       .imaging = file.built};
   SimDevices sim = MakeSimDevices(file.simulation, setup, sample, *rig.clock, seed);
   rig.devices = {.axes = std::move(sim.axes),
                  .camera = std::move(sim.camera),
@@ -138,7 +139,7 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
   rig.devices.camera = std::make_unique<SimCamera>(
       "camera", file.config.camera, file.simulation, *sample,
       std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
-      *rig.clock, Random(seed, kCameraStream), file.config.imaging);
+      *rig.clock, Random(seed, kCameraStream), file.built);
   return rig;
 }
 

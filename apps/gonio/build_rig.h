@@ -20,6 +20,7 @@ namespace gonio {
 struct RigFile {
   RigConfig config;
   SimConfig simulation;  // of the parts that are not real
+  Imaging built;         // as the rig file has it, which simulated parts are built by
 };
 
 // Throws ConfigError naming file, line and key.
