@@ -13,7 +13,7 @@
 namespace gonio {
 namespace {
 
-using Unknowns = std::array<double, kGeometryUnknowns>;
+using Unknowns = GeometryValues;
 template <typename T>
 using Vector3 = Eigen::Matrix<T, 3, 1>;
 template <typename T>
@@ -375,20 +375,31 @@ double GeometryFit::SigmaOfDirections(const ArmAngles& arms) const {
   return std::max(camera, light);
 }
 
-std::vector<Eigen::Vector2d> PredictCorners(const GeometryBelief& belief, const Checkerboard& board,
+std::vector<Eigen::Vector2d> ProjectCorners(const GeometryValues& values,
+                                            const GeometryBelief& belief, const Checkerboard& board,
                                             const ArmAngles& arms) {
-  const Unknowns u = Believed(belief.imaging);
+  const double* u = values.data();
   std::vector<Eigen::Vector2d> corners;
   for (int i = 0; i < board.corners(); ++i) {
     const Eigen::Vector2d corner = board.Corner(i % board.columns, i / board.columns);
-    corners.push_back(Project<double>(u.data(), arms, SensorOf(belief), OnBoard(u.data(), corner)));
+    corners.push_back(Project<double>(u, arms, SensorOf(belief), OnBoard(u, corner)));
   }
   return corners;
 }
 
+Eigen::Vector2d ProjectHighlight(const GeometryValues& values, const GeometryBelief& belief,
+                                 const ArmAngles& arms) {
+  const double* u = values.data();
+  return Project<double>(u, arms, SensorOf(belief), MirroredLight(u, arms));
+}
+
+std::vector<Eigen::Vector2d> PredictCorners(const GeometryBelief& belief, const Checkerboard& board,
+                                            const ArmAngles& arms) {
+  return ProjectCorners(Believed(belief.imaging), belief, board, arms);
+}
+
 Eigen::Vector2d PredictHighlight(const GeometryBelief& belief, const ArmAngles& arms) {
-  const Unknowns u = Believed(belief.imaging);
-  return Project<double>(u.data(), arms, SensorOf(belief), MirroredLight(u.data(), arms));
+  return ProjectHighlight(Believed(belief.imaging), belief, arms);
 }
 
 Result<GeometryFit> FitGeometry(const GeometryBelief& belief, const Checkerboard& board,

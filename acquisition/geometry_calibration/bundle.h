@@ -59,6 +59,8 @@ inline constexpr int kCameraUnknowns = kLightAzimuthOffset;
 // As in files.
 extern const char* const kGeometryNames[kGeometryUnknowns];
 
+using GeometryValues = std::array<double, kGeometryUnknowns>;
+
 struct GeometryFit {
   std::array<Estimate, kGeometryUnknowns> unknowns{};
   // Of the unknowns; rows and columns of those that were not fitted are zero.
@@ -85,7 +87,14 @@ struct GeometryBelief {
   int height = 0;
 };
 
-// Where the corners, and the light's mirror image, would be seen [px].
+// Where a rig of these values sees the corners, row by row, and the light's mirror image [px]. Of
+// the belief only the size of the image counts.
+std::vector<Eigen::Vector2d> ProjectCorners(const GeometryValues& values,
+                                            const GeometryBelief& belief, const Checkerboard& board,
+                                            const ArmAngles& arms);
+Eigen::Vector2d ProjectHighlight(const GeometryValues& values, const GeometryBelief& belief,
+                                 const ArmAngles& arms);
+// Where the corners, and the light's mirror image, are believed to be.
 std::vector<Eigen::Vector2d> PredictCorners(const GeometryBelief& belief, const Checkerboard& board,
                                             const ArmAngles& arms);
 Eigen::Vector2d PredictHighlight(const GeometryBelief& belief, const ArmAngles& arms);

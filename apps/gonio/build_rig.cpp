@@ -3,9 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <ctime>
 #include <utility>
 
+#include "acquisition/geometry_calibration/geometry_file.h"
 #include "acquisition/kinematics.h"
+#include "acquisition/time_model/time_model.h"
 #include "apps/gonio/device_error.h"
 #include "core/check.h"
 #include "core/config.h"
@@ -15,7 +18,44 @@
 
 namespace gonio {
 
-RigFile LoadRig(const std::filesystem::path& path) {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The camera is compared when it is opened: until then, it is whatever the file says.
+void UseGeometryFile(const fs::path& path, RigFile& file) {
+  file.calibrated_camera = ConfigNode::Load(path).Text("camera");
+  UseGeometry(
+      ReadGeometry(path, SensorFormatOf(file.config, file.calibrated_camera), std::time(nullptr)),
+      file.config);
+}
+
+void UseCalibrations(const fs::path& rig, RigFile& file) {
+  fs::path& folder = file.config.calibration_folder;
+  if (folder.empty()) return;
+  folder = rig.parent_path() / folder;
+  if (fs::exists(folder / kGeometryFile)) UseGeometryFile(folder / kGeometryFile, file);
+  if (fs::exists(folder / kTimeFile)) file.config.time_model = ReadTimes(folder / kTimeFile);
+}
+
+void CheckCalibratedCamera(const RigFile& file, const Camera& camera) {
+  if (file.calibrated_camera.empty() || file.calibrated_camera == camera.identity()) return;
+  throw ConfigError(fmt::format("{}: is of camera {}, this is {}",
+                                (file.config.calibration_folder / kGeometryFile).string(),
+                                file.calibrated_camera, camera.identity()));
+}
+
+}  // namespace
+
+SensorFormat SensorFormatOf(const RigConfig& rig, const std::string& identity) {
+  return {.camera = identity,
+          .width = rig.camera.width,
+          .height = rig.camera.height,
+          .layout = rig.camera.layout,
+          .full_scale = rig.camera.full_scale};
+}
+
+RigFile LoadRig(const std::filesystem::path& path, Calibrations use) {
   const std::string text = ReadTextFile(path);
   const ConfigNode root = ConfigNode::Parse(text, path.string());
   RigFile file;
@@ -23,6 +63,7 @@ RigFile LoadRig(const std::filesystem::path& path) {
   file.simulation = ReadSim(root);
   root.RefuseUnknownKeys();
   file.built = file.config.imaging;
+  if (use == Calibrations::kUsed) UseCalibrations(path, file);
   return file;
 }
 
@@ -38,6 +79,7 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
                  .camera = std::move(sim.camera),
                  .light = std::move(sim.light),
                  .monitor = std::move(sim.monitor)};
+  CheckCalibratedCamera(file, *rig.devices.camera);
   return rig;
 }
 
@@ -131,6 +173,7 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
   OpenLightAndMonitor(file, seed, rig);
   if (file.config.camera_device.driver != CameraDevice::Driver::kSimulated) {
     OpenRealCamera(file.config, rig);
+    CheckCalibratedCamera(file, *rig.devices.camera);
     return rig;
   }
   GONIO_CHECK(sample != nullptr, "a simulated camera needs something to look at");

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 
+#include "apps/gonio/calibrate.h"
 #include "apps/gonio/commands.h"
 #include "core/error.h"
 
@@ -196,6 +197,58 @@ Action SetUpPrior(CLI::App& app) {
   return [o] { return PriorLearnCommand(*o); };
 }
 
+Action SetUpCalibrateGeometry(CLI::App& app) {
+  auto o = std::make_shared<CalibrateGeometryOptions>();
+  app.add_option("--rig", o->rig, "Rig file; its camera must read out enough to show the target")
+      ->required();
+  app.add_option("--out", o->out, "Calibration folder; views already there are kept")->required();
+  app.add_option("--target", o->target,
+                 "What is on the stage: board finds the camera, mirror then the light; none: fit "
+                 "the views in the folder again")
+      ->check(CLI::IsMember({"board", "mirror", "none"}))
+      ->capture_default_str();
+  app.add_option("--columns", o->columns, "Inner corners of the board along x")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  app.add_option("--rows", o->rows, "Inner corners along y")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  app.add_option("--square-mm", o->square_mm, "Side of a square")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--seed", o->seed, "Of the simulated noise")->capture_default_str();
+  app.add_flag("--quiet", o->quiet, "No progress, only the result");
+  return [o] { return CalibrateGeometryCommand(*o); };
+}
+
+Action SetUpCalibrateTime(CLI::App& app) {
+  auto o = std::make_shared<CalibrateTimeOptions>();
+  app.add_option("sessions", o->sessions, "Session directories of one rig")->required();
+  app.add_option("--out", o->out, "File to write: time.yaml in the calibration folder")->required();
+  return [o] { return CalibrateTimeCommand(*o); };
+}
+
+// One subcommand and one function a step.
+Action SetUpCalibrate(CLI::App& app) {
+  struct Step {
+    const char* name;
+    const char* help;
+    Action (*set_up)(CLI::App&);
+  };
+  constexpr Step kSteps[] = {
+      {"geometry", "Lens, distances and the arms' offsets, from a board and a mirror",
+       SetUpCalibrateGeometry},
+      {"time", "Speeds and overheads, from sessions", SetUpCalibrateTime},
+  };
+  app.require_subcommand(1);
+  auto chosen = std::make_shared<Action>();
+  for (const Step& step : kSteps) {
+    CLI::App* sub = app.add_subcommand(step.name, step.help);
+    sub->callback([chosen, action = step.set_up(*sub)] { *chosen = action; });
+  }
+  return [chosen] { return (*chosen)(); };
+}
+
 Action SetUpDevices(CLI::App& app) {
   auto o = std::make_shared<DevicesOptions>();
   app.add_option("--json", o->json, "Write the same as JSON (-: to standard output)");
@@ -240,6 +293,7 @@ constexpr Command kCommands[] = {
     {"export", "Write a session, fit or material in other people's formats", SetUpExport},
     {"compare", "How far one reflectance is from another", SetUpCompare},
     {"prior", "Learn a prior from materials that were measured densely", SetUpPrior},
+    {"calibrate", "What a rig truly is: geometry, times", SetUpCalibrate},
     {"simulate", "What plans would cost and bring on a rig; keeps no session", SetUpSimulate},
     {"study",
      "Fit many materials in many ways, or let planners compete; continues where it stopped",
