@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 
+#include "brdf/camera_axes.h"
 #include "core/check.h"
 #include "core/units.h"
 
@@ -83,16 +84,13 @@ class View {
     const Vector3d wo = ArmDirection(azimuth, elevation);
     camera_ = imaging.camera_distance * wo;
     light_ = ArmDirection(arms[kLightAzimuth], arms[kLightElevation]);
-    forward_ = -wo;
-    right_ = Vector3d(-std::sin(azimuth), std::cos(azimuth), 0);
-    down_ = Vector3d(std::sin(elevation) * std::cos(azimuth),
-                     std::sin(elevation) * std::sin(azimuth), -std::cos(elevation));
+    axes_ = CameraAxes(imaging, azimuth, elevation);
   }
 
   // Of the pixel `x` to the right of the image's centre and `y` below it; empty if it sees nothing
   // that can be used.
   std::optional<PixelView> At(double x, double y) const {
-    const Vector3d ray = (imaging_.focal_length * forward_ + x * right_ + y * down_).normalized();
+    const Vector3d ray = (axes_ * PixelRay(imaging_, x, y)).normalized();
     const auto hit = HitSample(imaging_.shape, camera_, ray);
     if (!hit) return std::nullopt;
     if (imaging_.patch_radius > 0 && hit->point.norm() > imaging_.patch_radius) {
@@ -119,9 +117,7 @@ class View {
   const double least_cosine_;
   Vector3d camera_;
   Vector3d light_;  // direction
-  Vector3d forward_;
-  Vector3d right_;
-  Vector3d down_;
+  Eigen::Matrix3d axes_;
 };
 
 std::vector<PixelView> ViewsOf(const Imaging& imaging, const ArmAngles& arms, int width, int height,

@@ -70,9 +70,25 @@ void VisitAzimuths(double difference, const AxisLimits& light, const AxisLimits&
 
 Kinematics::Kinematics(const RigConfig& rig) : geometry_(rig.geometry) {
   std::transform(rig.axes.begin(), rig.axes.end(), limits_.begin(), TargetLimits);
+  offsets_ = rig.axis_offsets;
+  for (int i = 0; i < kAxes; ++i) {
+    AxisLimits& limits = limits_[i];
+    limits.min_position += offsets_[i];
+    limits.max_position += offsets_[i];
+    if (!rig.time_model) continue;
+    limits.max_speed = rig.time_model->max_speed[i];
+    limits.acceleration = rig.time_model->acceleration[i];
+    limits.move_overhead = rig.time_model->move_overhead[i];
+  }
 }
 
-DirectionPair Kinematics::Forward(const ArmAngles& angles) const {
+ArmAngles Kinematics::TrueAngles(ArmAngles encoders) const {
+  for (int i = 0; i < kAxes; ++i) encoders[i] += offsets_[i];
+  return encoders;
+}
+
+DirectionPair Kinematics::Forward(const ArmAngles& encoders) const {
+  const ArmAngles angles = TrueAngles(encoders);
   return {FromSpherical(kPi / 2 - angles[kLightElevation], angles[kLightAzimuth]),
           FromSpherical(kPi / 2 - angles[kCameraElevation], angles[kCameraAzimuth])};
 }
@@ -84,9 +100,10 @@ bool Kinematics::Allowed(const DirectionPair& pair) const {
 }
 
 template <typename Visit>
-void Kinematics::VisitSolutions(const DirectionPair& pair, const ArmAngles& from,
+void Kinematics::VisitSolutions(const DirectionPair& pair, const ArmAngles& from_encoders,
                                 const Visit& visit) const {
   if (!Allowed(pair)) return;
+  const ArmAngles from = TrueAngles(from_encoders);  // as the limits are
   const double theta_i = PolarAngle(pair.wi);
   const double theta_o = PolarAngle(pair.wo);
   const auto light = WithinLimits(kPi / 2 - theta_i, limits_[kLightElevation]);
@@ -94,7 +111,9 @@ void Kinematics::VisitSolutions(const DirectionPair& pair, const ArmAngles& from
   if (!light || !camera) return;
 
   const auto at_azimuths = [&](double light_azimuth, double camera_azimuth) {
-    visit(ArmAngles{light_azimuth, *light, camera_azimuth, *camera});
+    ArmAngles angles = {light_azimuth, *light, camera_azimuth, *camera};
+    for (int i = 0; i < kAxes; ++i) angles[i] -= offsets_[i];
+    visit(angles);
   };
   const AxisLimits& light_limits = limits_[kLightAzimuth];
   const AxisLimits& camera_limits = limits_[kCameraAzimuth];

@@ -17,8 +17,11 @@ class Kinematics {
  public:
   explicit Kinematics(const RigConfig& rig);
 
-  // Where the arms point at these axis positions.
-  DirectionPair Forward(const ArmAngles& angles) const;
+  // Where the arms point at these axis positions, which are those of the encoders; the rig's
+  // axis_offsets come on top.
+  DirectionPair Forward(const ArmAngles& encoders) const;
+  // The arms' angles in the sample's frame.
+  ArmAngles TrueAngles(ArmAngles encoders) const;
 
   // Axis positions that realise `pair` for an isotropic sample: turning both azimuths together and
   // mirroring the pair in a plane through the normal change nothing, so among those solutions
@@ -34,15 +37,17 @@ class Kinematics {
   bool Reachable(const DirectionPair& pair) const;
 
   // Time for all axes to get from one position to another, moving together; the slowest axis
-  // decides. Without settling.
+  // decides. Without settling. By the rig's time model if it has one.
   Seconds TravelTime(const ArmAngles& from, const ArmAngles& to) const;
 
  private:
   bool Allowed(const DirectionPair& pair) const;
   template <typename Visit>
-  void VisitSolutions(const DirectionPair& pair, const ArmAngles& from, const Visit& visit) const;
+  void VisitSolutions(const DirectionPair& pair, const ArmAngles& from_encoders,
+                      const Visit& visit) const;
 
-  std::array<AxisLimits, kAxes> limits_;  // of targets
+  std::array<AxisLimits, kAxes> limits_;  // of targets, in true angles
+  ArmAngles offsets_{};
   GeometryConfig geometry_;
 };
 

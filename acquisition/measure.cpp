@@ -84,8 +84,9 @@ Result<void> PoseMeasurer::MoveTo(const DirectionPair& pair, PoseRecord& record,
   position_ = record.readback = arrival->readback;
   record.move_retries = arrival->retries;
   record.move_time = arrival->still - record.start;
-  record.regions = RegionsOf(rig_.imaging, record.readback, rig_.camera.width, rig_.camera.height,
-                             rig_.geometry.max_polar, rig_.samples_per_image);
+  record.regions =
+      RegionsOf(rig_.imaging, paths_.kinematics().TrueAngles(record.readback), rig_.camera.width,
+                rig_.camera.height, rig_.geometry.max_polar, rig_.samples_per_image);
   if (bad_ != nullptr) LeaveOut(*bad_, CountsPerPixel(rig_.camera.layout), &record.regions);
   if (record.regions.empty()) {
     return Error{ErrorCode::kRefused, "no pixel sees the sample lit and below max_polar_deg"};

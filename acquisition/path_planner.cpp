@@ -96,7 +96,7 @@ std::optional<Contact> PathPlanner::FindOnLeg(const ArmAngles& from, const ArmAn
     low[i] = std::min({from[i], to[i], turn});
     high[i] = std::max({from[i], to[i], turn});
   }
-  return keep_out_.FindBetween(low, high);
+  return keep_out_.FindBetween(kinematics_.TrueAngles(low), kinematics_.TrueAngles(high));
 }
 
 // Dijkstra over which axes have arrived: at most 65 legs.
@@ -184,11 +184,13 @@ Path PathPlanner::Shortened(const ArmAngles& from, Path path) const {
 
 Result<Path> PathPlanner::Plan(const ArmAngles& from, const ArmAngles& to) const {
   if (keep_out_.empty()) return Path{to};
-  if (const auto contact = keep_out_.FindAt(from)) {
+  if (const auto contact = keep_out_.FindAt(kinematics_.TrueAngles(from))) {
     return Error{ErrorCode::kProtocol,
                  "the arms are where they must not be, move them by hand: " + contact->Text()};
   }
-  if (const auto contact = keep_out_.FindAt(to)) return Error{ErrorCode::kRefused, contact->Text()};
+  if (const auto contact = keep_out_.FindAt(kinematics_.TrueAngles(to))) {
+    return Error{ErrorCode::kRefused, contact->Text()};
+  }
   const auto in_the_way = FindOnLeg(from, to);
   if (!in_the_way) return Path{to};
   if (auto path = PlanInOrder(from, to)) return *path;
@@ -231,7 +233,7 @@ std::vector<bool> PathPlanner::Connected(std::span<const DirectionPair> poses) c
     for (std::size_t g = 0; g < groups.size() && !joined; ++g) joined = g != last && join(g);
     if (joined) continue;
     for (const ArmAngles& to : kinematics_.Solutions(poses[i], ArmAngles{})) {
-      if (keep_out_.FindAt(to)) continue;
+      if (keep_out_.FindAt(kinematics_.TrueAngles(to))) continue;
       last = groups.size();
       groups.push_back({to, {i}});
       break;

@@ -20,6 +20,8 @@ class PathPlanner {
  public:
   explicit PathPlanner(const RigConfig& rig);
 
+  const Kinematics& kinematics() const { return kinematics_; }
+
   // Whether there is nothing to keep away from: every way is straight.
   bool free() const { return keep_out_.empty(); }
 

@@ -133,6 +133,7 @@ std::vector<ReducedSample> ReduceByRig(const PoseRecord& pose, const RigConfig& 
   std::vector<ReducedSample> samples;
   for (const ImageRegion& region : pose.regions) {
     samples.push_back(ReduceRegion(pose, region, rig));
+    AddAngle(rig, &samples.back());
   }
   return samples;
 }
@@ -167,6 +168,17 @@ ReducedSample FromRates(const RegionRates& rates, const ImageRegion& region, con
   return reduced;
 }
 
+// What wrong directions do to the cosine that is divided out. What they do to f_r itself depends on
+// its slope, which a sample does not tell: that is for the fit to bear.
+void AddAngle(const RigConfig& rig, ReducedSample* reduced) {
+  if (!rig.sigma_of_directions) return;
+  const double theta_i = std::acos(std::clamp(reduced->sample.directions.cos_theta_i(), 0.0, 1.0));
+  for (int c = 0; c < kChannels; ++c) {
+    reduced->budget[UncertaintyTerm::kAngle][c] =
+        AngleTerm(reduced->sample.f_r[c], 0, theta_i, *rig.sigma_of_directions);
+  }
+}
+
 // About how many pixels of each colour a sample is averaged over.
 Rgb ExpectedPixels(const DirectionPair& pair, const RigConfig& rig) {
   double pixels = static_cast<double>(rig.camera.width) * rig.camera.height;
@@ -198,6 +210,7 @@ Result<std::vector<ReducedSample>> Reduce(const PoseRecord& pose, const RigConfi
   std::vector<ReducedSample> samples;
   for (std::size_t i = 0; i < rates->size(); ++i) {
     samples.push_back(FromRates((*rates)[i], pose.regions[i], rig, calibrations));
+    AddAngle(rig, &samples.back());
   }
   return samples;
 }

@@ -7,10 +7,10 @@ namespace gonio {
 namespace {
 
 // Whether a position of the pair stands free; otherwise who is to blame at the first.
-bool StandsFree(const std::vector<ArmAngles>& positions, const KeepOut& keep_out,
-                std::string* blame) {
+bool StandsFree(const std::vector<ArmAngles>& positions, const Kinematics& kinematics,
+                const KeepOut& keep_out, std::string* blame) {
   for (const ArmAngles& at : positions) {
-    const auto contact = keep_out.FindAt(at);
+    const auto contact = keep_out.FindAt(kinematics.TrueAngles(at));
     if (!contact) return true;
     if (blame->empty()) {
       *blame = contact->second.empty() ? contact->first : contact->first + ", " + contact->second;
@@ -38,7 +38,7 @@ ReachMap MapReach(const RigConfig& rig, std::span<const DirectionPair> poses) {
     std::string blame;
     if (positions.empty()) {
       map.poses[i] = Reach::kLimits;
-    } else if (!StandsFree(positions, keep_out, &blame)) {
+    } else if (!StandsFree(positions, kinematics, keep_out, &blame)) {
       map.poses[i] = Reach::kKeepOut;
       ++map.blame[blame];
     } else {

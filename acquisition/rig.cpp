@@ -149,9 +149,9 @@ RadiometryConfig ReadRadiometry(const ConfigNode& node) {
 
 }  // namespace
 
-SensorFormat SensorFormatOf(const RigConfig& rig, const Camera& camera) {
+SensorFormat SensorFormatOf(const RigConfig& rig, const std::string& identity) {
   SensorFormat format;
-  format.camera = camera.identity();
+  format.camera = identity;
   format.width = rig.camera.width;
   format.height = rig.camera.height;
   format.layout = rig.camera.layout;

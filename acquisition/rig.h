@@ -69,6 +69,16 @@ struct RadiometryConfig {
   double monitor_noise = 0;         // relative standard deviation of one monitor reading
 };
 
+// How long moves and frames were found to take (`gonio calibrate time`), in place of what the rig
+// file says.
+struct TimeModel {
+  std::array<double, kAxes> max_speed{};       // rad/s
+  std::array<double, kAxes> acceleration{};    // rad/s^2
+  std::array<Seconds, kAxes> move_overhead{};  // of each move
+  Seconds pose_overhead{0};                    // beside settling: monitor readings, talk
+  Seconds frame_overhead{0};                   // beside exposure and read-out
+};
+
 struct RigConfig {
   std::string name;
   std::string text;                    // the file as it was read, frozen into the session
@@ -93,6 +103,11 @@ struct RigConfig {
   CameraInfo camera;
   Imaging imaging;
   int samples_per_image = 1;  // a power of two; more than 1 only where pixels resolve directions
+  // True angles of the arms minus their encoders' [rad], and how sure the directions of light and
+  // camera are with them [rad]: of a geometry calibration, else unknown.
+  ArmAngles axis_offsets{};
+  std::optional<double> sigma_of_directions;
+  std::optional<TimeModel> time_model;  // of a time calibration
 };
 
 // The opened devices. Destroying them stops the axes and switches the light off.
@@ -104,8 +119,8 @@ struct Devices {
 };
 
 // What frames of this rig's camera must share with those of a calibration. Full scale is the rig's:
-// a sensor may be full before its converter is.
-SensorFormat SensorFormatOf(const RigConfig& rig, const Camera& camera);
+// a sensor may be full before its converter is. `identity`: Camera::identity().
+SensorFormat SensorFormatOf(const RigConfig& rig, const std::string& identity);
 
 // Reads the rig part of a rig file such as configs/sim-rig.yaml. Leaves `root` open: the caller
 // reads the `simulation` or device part and then calls root.RefuseUnknownKeys(). Throws

@@ -10,6 +10,7 @@
 #include "acquisition/image_regions.h"
 #include "acquisition/kinematics.h"
 #include "acquisition/radiometry.h"
+#include "acquisition/time_estimate.h"
 
 namespace gonio {
 namespace {
@@ -62,9 +63,9 @@ SessionCosts CostsOn(const RigConfig& rig) {
     return end ? starts->kinematics().TravelTime(*start, *end).count() : 0.0;
   };
   costs.frame = [rig](const DirectionPair& pair, const Rgb& f_r) {
-    return (FrameFor(pair, f_r, rig) + rig.camera.readout).count();
+    return (FrameFor(pair, f_r, rig) + ReadoutOf(rig)).count();
   };
-  costs.pose = [frame = costs.frame, settle = rig.motion.settle.count()](
+  costs.pose = [frame = costs.frame, settle = StandingOf(rig).count()](
                    const DirectionPair& pair, const Rgb& f_r) { return settle + frame(pair, f_r); };
   costs.max_frames = rig.exposure.max_frames;
   return costs;

@@ -102,8 +102,8 @@ Rgb ReadSystematic(const sqlite::Statement& row, int first) {
 }
 
 std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) {
-  constexpr int kFirstSampleColumn = 13;
-  constexpr int kFirstSystematicColumn = 25;
+  constexpr int kFirstSampleColumn = 22;
+  constexpr int kFirstSystematicColumn = 34;
   const char* const systematic =
       version >= 3 ? "s.sigma_systematic_red, s.sigma_systematic_green, s.sigma_systematic_blue"
                    : "0.0, 0.0, 0.0";
@@ -111,6 +111,11 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) 
       "SELECT p.pose, p.candidate, p.reason, p.score, p.theta_h_deg, p.theta_d_deg, p.phi_d_deg,"
       " p.move_retries, p.start_s, p.move_s, p.end_s, p.predicted_error,"
       " (SELECT count(*) FROM exposures e WHERE e.pose = p.pose),"
+      " p.commanded_light_azimuth_deg, p.commanded_light_elevation_deg,"
+      " p.commanded_camera_azimuth_deg, p.commanded_camera_elevation_deg,"
+      " p.readback_light_azimuth_deg, p.readback_light_elevation_deg,"
+      " p.readback_camera_azimuth_deg, p.readback_camera_elevation_deg,"
+      " (SELECT total(exposure_s) FROM exposures e WHERE e.pose = p.pose),"
       " s.wi_x, s.wi_y, s.wi_z, s.wo_x, s.wo_y, s.wo_z, s.f_r_red, s.f_r_green, s.f_r_blue,"
       " s.sigma_red, s.sigma_green, s.sigma_blue, " +
       std::string(systematic) + " FROM poses p JOIN samples s USING (pose) ORDER BY s.rowid";
@@ -134,6 +139,11 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) 
     pose.end = Seconds(row.Real(10));
     pose.predicted_error = RealOrNull(row, 11);
     pose.frames = static_cast<int>(row.Integer(12));
+    for (int i = 0; i < kAxes; ++i) {
+      pose.commanded[i] = RadFromDeg(row.Real(13 + i));
+      pose.readback[i] = RadFromDeg(row.Real(17 + i));
+    }
+    pose.exposed = Seconds(row.Real(21));
     pose.samples.push_back(ReadSample(row, kFirstSampleColumn));
     pose.systematic.push_back(ReadSystematic(row, kFirstSystematicColumn));
   }

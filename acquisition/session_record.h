@@ -27,9 +27,12 @@ struct MeasuredPose {
   std::vector<Rgb> systematic;
   int frames = 0;
   int move_retries = 0;
-  Seconds start{0};  // session clock
+  ArmAngles commanded{};  // to the log's rounding, as the next
+  ArmAngles readback{};   // encoders, after settling
+  Seconds start{0};       // session clock
   Seconds move_time{0};
   Seconds end{0};
+  Seconds exposed{0};                     // sum of the frames' exposures, without read-out
   std::optional<double> predicted_error;  // the planner's, from the poses before this one
 };
 

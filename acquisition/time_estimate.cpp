@@ -20,6 +20,14 @@ bool Keeps(int row, double share) {
 
 }  // namespace
 
+Seconds StandingOf(const RigConfig& rig) {
+  return rig.motion.settle + (rig.time_model ? rig.time_model->pose_overhead : Seconds(0));
+}
+
+Seconds ReadoutOf(const RigConfig& rig) {
+  return rig.camera.readout + (rig.time_model ? rig.time_model->frame_overhead : Seconds(0));
+}
+
 TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> poses,
                           Seconds exposing_per_pose) {
   const Kinematics kinematics(rig);
@@ -31,7 +39,7 @@ TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> p
     if (at) estimate.travel += kinematics.TravelTime(*at, *target);
     at = target;
     ++estimate.poses;
-    estimate.settling += rig.motion.settle;
+    estimate.settling += StandingOf(rig);
     estimate.exposing += exposing_per_pose;
   }
   return estimate;
@@ -40,7 +48,7 @@ TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> p
 Seconds NominalExposing(const RigConfig& rig) {
   const Seconds exposure =
       std::clamp(rig.dense_exposure, rig.camera.min_exposure, rig.camera.max_exposure);
-  return rig.dense_brackets * (exposure + rig.camera.readout);
+  return rig.dense_brackets * (exposure + ReadoutOf(rig));
 }
 
 TimeEstimate EstimateDenseScan(const RigConfig& rig, Seconds exposing_per_pose, double keep_rows) {

@@ -20,6 +20,11 @@ struct TimeEstimate {
   Seconds total() const { return travel + settling + exposing; }
 };
 
+// Settling, and what else each pose costs beside its frames; read-out of each frame. By the rig's
+// time model if it has one.
+Seconds StandingOf(const RigConfig& rig);
+Seconds ReadoutOf(const RigConfig& rig);
+
 // One pose = move + settle + exposing. Poses are visited in the order given, starting at the first
 // one; those out of reach are left out. Homing is not counted.
 //

@@ -4,6 +4,7 @@
 
 #pragma once
 
+#include <array>
 #include <limits>
 
 namespace gonio {
@@ -37,6 +38,15 @@ struct Imaging {
   double light_distance = std::numeric_limits<double>::infinity();   // m
   double patch_radius = 0;  // m; of the disc about the origin whose pixels are used; 0: all
   SampleShape shape{};
+
+  // What a calibration finds of a camera (docs/geometry.md, "Calibration"); 0: as above.
+  double principal_x = 0;  // px to the right of the image's middle, of the optical axis
+  double principal_y = 0;  // px below it
+  // rad, of the camera on its arm, about right, down and forward, in this order; its pinhole stays
+  std::array<double, 3> camera_turn{};
+  // A ray at tan(field angle) = r is seen at focal_length r (1 + radial_distortion r^2) from the
+  // principal point.
+  double radial_distortion = 0;
 
   bool resolves_directions() const { return focal_length > 0; }
 };

@@ -79,7 +79,7 @@ Result<Frame> SimCamera::Capture(Seconds exposure, std::stop_token stop) {
   }
   const SimReadout readout = Readout(used);
   const SimImage signal = Signal(start, readout);
-  clock_.SleepFor(used + info_.readout, stop);
+  clock_.SleepFor(used + info_.readout + Seconds(truth_.frame_overhead), stop);
   if (stop.stop_requested()) {
     return Error{ErrorCode::kCancelled, fmt::format("{}: exposure: cancelled", name_)};
   }

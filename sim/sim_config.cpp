@@ -43,6 +43,47 @@ void ReadImage(const ConfigNode& node, SimConfig& sim) {
   }
 }
 
+void ReadMotors(const ConfigNode& node, SimConfig& sim) {
+  if (!node.Has("motors")) return;
+  const ConfigNode motors = node.Map("motors");
+  const auto factors = [&](const char* key, SimArms& values) {
+    if (!motors.Has(key)) return;
+    const std::vector<double> read = motors.Numbers(key, 4, Range::Between(0.1, 10));
+    std::copy(read.begin(), read.end(), values.begin());
+  };
+  factors("speed_factor", sim.speed_factor);
+  factors("acceleration_factor", sim.acceleration_factor);
+  sim.more_overhead = NumbersOr0<4>(motors, "more_overhead_s", Range::Between(0, 10));
+  sim.frame_overhead = motors.NumberOr("frame_overhead_s", 0, Range::Between(0, 10));
+}
+
+// `simulation.imaging`: only what differs from the rig's own.
+void ReadTrueImaging(const ConfigNode& node, SimConfig& sim) {
+  if (!node.Has("imaging")) return;
+  const ConfigNode imaging = node.Map("imaging");
+  const auto number = [&](const char* key, double unit) {
+    return imaging.Has(key) ? std::optional(imaging.Number(key, Range::Positive()) * unit)
+                            : std::nullopt;
+  };
+  sim.focal_length = number("focal_length_px", 1);
+  sim.camera_distance = number("camera_distance_mm", 1e-3);
+  sim.light_distance = number("light_distance_mm", 1e-3);
+  sim.principal_point = NumbersOr0<2>(imaging, "principal_point_px", Range::Between(-500, 500));
+  sim.camera_turn = NumbersOr0<3>(imaging, "camera_turn_deg", Range::Between(-5, 5));
+  for (double& angle : sim.camera_turn) angle = RadFromDeg(angle);
+  sim.radial_distortion = imaging.NumberOr("radial_distortion", 0, Range::Between(-1, 1));
+}
+
+// How a calibration's target truly stands on the stage; which one it is, the calibration says.
+void ReadTarget(const ConfigNode& node, SimTarget& target) {
+  if (!node.Has("target")) return;
+  const ConfigNode mounted = node.Map("target");
+  target.shift = NumbersOr0<3>(mounted, "shift_mm", Range::Between(-20, 20));
+  for (double& length : target.shift) length *= 1e-3;
+  target.turn = NumbersOr0<3>(mounted, "turn_deg", Range::Between(-10, 10));
+  for (double& angle : target.turn) angle = RadFromDeg(angle);
+}
+
 void ReadSensor(const ConfigNode& node, SimConfig& sim) {
   sim.sensor_seed = static_cast<std::uint64_t>(node.IntegerOr("sensor_seed", 1, 0));
   sim.prnu = node.NumberOr("prnu", 0, Range::Between(0, 0.3));
@@ -83,6 +124,9 @@ SimConfig ReadSim(const ConfigNode& root) {
   sim.electrons_per_count = number("electrons_per_count", Range::Positive());
   ReadLampAndArms(node, sim);
   ReadImage(node, sim);
+  ReadTrueImaging(node, sim);
+  ReadTarget(node, sim.target);
+  ReadMotors(node, sim);
   ReadSensor(node, sim);
   return sim;
 }

@@ -9,6 +9,7 @@
 
 #include "brdf/brdf.h"
 #include "core/config.h"
+#include "sim/sim_target.h"
 
 namespace gonio {
 
@@ -48,6 +49,23 @@ struct SimConfig {
   double veiling_glare = 0;  // of the frame's mean signal, added to every pixel
   double stray_light = 0;    // electrons/s at full power, added to every pixel, whatever is there
   int every_px = 16;         // f_r is interpolated over at most so many pixels; a power of two
+
+  // How the camera and the distances truly are, where the rig's `imaging` is wrong about them.
+  std::optional<double> focal_length = std::nullopt;     // px
+  std::optional<double> camera_distance = std::nullopt;  // m
+  std::optional<double> light_distance = std::nullopt;   // m
+  std::array<double, 2> principal_point{};  // px, to the right of and below the image's middle
+  std::array<double, 3> camera_turn{};      // rad, as in Imaging
+  double radial_distortion = 0;             // as in Imaging
+
+  // What stands on the stage instead of a sample, if a calibration asks for it.
+  SimTarget target{};
+
+  // The arms' motors, of the rig's believed speed and acceleration, and seconds on top of a move.
+  SimArms speed_factor{1, 1, 1, 1};
+  SimArms acceleration_factor{1, 1, 1, 1};
+  SimArms more_overhead{};
+  double frame_overhead = 0;  // s, of the camera's read-out, more than is believed
 
   // The sensor (sim_sensor.h).
   std::uint64_t sensor_seed = 1;  // which specimen: its fixed pattern. The same in every session

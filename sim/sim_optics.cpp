@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "brdf/camera_axes.h"
 #include "core/check.h"
 #include "core/units.h"
 
@@ -23,17 +24,18 @@ constexpr float kFinestHighlight = 2e-3F;
 
 enum State : std::uint8_t { kUnasked = 0, kDark, kLit };
 
-// Axes of what an arm carries: brdf/imaging.h.
-struct ArmFrame {
-  ArmFrame(double azimuth, double elevation)
-      : outward(FromSpherical(kPi / 2 - elevation, azimuth)),
-        right(-std::sin(azimuth), std::cos(azimuth), 0),
-        down(std::sin(elevation) * std::cos(azimuth), std::sin(elevation) * std::sin(azimuth),
-             -std::cos(elevation)) {}
-  Vector3d outward;
-  Vector3d right;
-  Vector3d down;
-};
+// The imaging as it truly is.
+Imaging TrueImaging(Imaging imaging, const SimConfig& truth) {
+  if (!imaging.resolves_directions()) return imaging;
+  imaging.focal_length = truth.focal_length.value_or(imaging.focal_length);
+  imaging.camera_distance = truth.camera_distance.value_or(imaging.camera_distance);
+  imaging.light_distance = truth.light_distance.value_or(imaging.light_distance);
+  imaging.principal_x = truth.principal_point[0];
+  imaging.principal_y = truth.principal_point[1];
+  imaging.camera_turn = truth.camera_turn;
+  imaging.radial_distortion = truth.radial_distortion;
+  return imaging;
+}
 
 }  // namespace
 
@@ -45,20 +47,20 @@ class SimOptics::Pose {
         sample_radius_(optics.truth_.sample_radius),
         middle_x_(optics.sensor_width_ / 2.0),
         middle_y_(optics.sensor_height_ / 2.0),
-        camera_(arms[2], arms[3]),
-        pinhole_(imaging_.camera_distance * camera_.outward) {
-    const ArmFrame light(arms[0], arms[1]);
+        target_(optics.truth_.target),
+        camera_(CameraAxes(imaging_, arms[2], arms[3])),
+        pinhole_(-imaging_.camera_distance * ArmAxes(arms[2], arms[3]).col(2)) {
+    const Eigen::Matrix3d axes = ArmAxes(arms[0], arms[1]);
     const auto& offset = optics.truth_.light_offset;
     light_at_infinity_ = std::isinf(imaging_.light_distance);
-    light_ = light_at_infinity_ ? light.outward
-                                : Vector3d((imaging_.light_distance + offset[2]) * light.outward +
-                                           offset[0] * light.right + offset[1] * light.down);
+    light_ = -axes.col(2);
+    if (light_at_infinity_) return;
+    light_ = axes * Vector3d(offset[0], offset[1], -(imaging_.light_distance + offset[2]));
   }
 
   // Of length focal_length in the middle of the image.
   Vector3d Ray(double x, double y) const {
-    return -imaging_.focal_length * camera_.outward + (x + 0.5 - middle_x_) * camera_.right +
-           (y + 0.5 - middle_y_) * camera_.down;
+    return camera_ * PixelRay(imaging_, x + 0.5 - middle_x_, y + 0.5 - middle_y_);
   }
 
   std::optional<SurfaceView> See(const Vector3d& ray) const {
@@ -87,9 +89,24 @@ class SimOptics::Pose {
     return view;
   }
 
+  // What the ray's point on the target's plane is in the target's own frame.
+  Vector3d OnTarget(const Vector3d& ray) const {
+    const Vector3d from = target_.Into(pinhole_);
+    const Vector3d way = target_.Into(pinhole_ + ray) - from;
+    return from - from.z() / way.z() * way;
+  }
+
  private:
+  bool HitTarget(const Vector3d& ray, SurfaceView& view) const {
+    view.normal = target_.Normal();
+    if (!(view.normal.dot(ray) < 0)) return false;
+    view.point = target_.OutOf(OnTarget(ray));
+    return true;
+  }
+
   // The first point on the way, if any.
   bool Hit(const Vector3d& ray, SurfaceView& view) const {
+    if (target_.kind != SimTarget::Kind::kNone) return HitTarget(ray, view);
     const SampleShape& shape = imaging_.shape;
     if (shape.kind == SampleShape::Kind::kFlat) {
       if (!(pinhole_.z() > 0 && ray.z() < 0)) return false;
@@ -120,7 +137,8 @@ class SimOptics::Pose {
   const double sample_radius_;
   const double middle_x_;
   const double middle_y_;
-  const ArmFrame camera_;
+  const SimTarget& target_;
+  const Eigen::Matrix3d camera_;  // columns right, down, forward
   const Vector3d pinhole_;
   bool light_at_infinity_ = false;
   Vector3d light_;  // where it is, or the direction to it
@@ -140,7 +158,7 @@ class SimOptics::Renderer {
         scale_(optics.truth_.responsivity * power),
         nodes_(optics.nodes_),
         states_(optics.states_) {
-    const int square = optics.truth_.every_px;
+    const int square = optics.every_px_;
     // One more than a multiple of the squares: corners may lie outside.
     stride_ = (region.width + square - 1) / square * square + 1;
     const int rows = (region.height + square - 1) / square * square + 1;
@@ -150,7 +168,7 @@ class SimOptics::Renderer {
 
   std::vector<float> Run() {
     out_.assign(static_cast<std::size_t>(region_.width) * region_.height * planes_, 0);
-    const int square = optics_.truth_.every_px;
+    const int square = optics_.every_px_;
     for (int y = 0; y < region_.height; y += square) {
       for (int x = 0; x < region_.width; x += square) Fill(x, y, square);
     }
@@ -174,7 +192,7 @@ class SimOptics::Renderer {
     const Vector3d ray = pose_.Ray(region_.x + x, region_.y + y);
     const auto view = pose_.See(ray);
     if (!view || !view->local.above_horizon()) return false;
-    const auto f_r = sample_.Eval(view->local);
+    const auto f_r = Reflectance(x, y, *view);
     if (!f_r) return false;
     const double cos2 = std::pow(optics_.imaging_.focal_length, 2) / ray.squaredNorm();
     const double vignette = 1 - optics_.truth_.vignetting * (1 - cos2 * cos2);
@@ -187,6 +205,15 @@ class SimOptics::Renderer {
     node.half_x = static_cast<float>(half.x());
     node.half_y = static_cast<float>(half.y());
     return true;
+  }
+
+  std::optional<Rgb> Reflectance(int x, int y, const SurfaceView& view) const {
+    const SimTarget& target = optics_.truth_.target;
+    if (target.kind == SimTarget::Kind::kNone) return sample_.Eval(view.local);
+    if (target.kind == SimTarget::Kind::kMirror) return target.Mirror(view.local);
+    return target.Paint([&](double dx, double dy) {
+      return pose_.OnTarget(pose_.Ray(region_.x + x + dx, region_.y + y + dy));
+    });
   }
 
   void Fill(int x, int y, int size) {
@@ -285,7 +312,11 @@ class SimOptics::Renderer {
 
 SimOptics::SimOptics(const SimConfig& truth, const Imaging& imaging, int sensor_width,
                      int sensor_height)
-    : truth_(truth), imaging_(imaging), sensor_width_(sensor_width), sensor_height_(sensor_height) {
+    : truth_(truth),
+      imaging_(TrueImaging(imaging, truth)),
+      every_px_(truth.target.kind == SimTarget::Kind::kNone ? truth.every_px : 1),
+      sensor_width_(sensor_width),
+      sensor_height_(sensor_height) {
   if (!resolves_directions()) return;
   GONIO_CHECK(std::isfinite(imaging.camera_distance), "an image of a camera at infinity");
   GONIO_CHECK(imaging.shape.kind == SampleShape::Kind::kFlat || imaging.shape.radius > 0, "radius");

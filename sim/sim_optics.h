@@ -82,6 +82,7 @@ class SimOptics {
 
   const SimConfig truth_;
   const Imaging imaging_;
+  const int every_px_;  // 1 of a target, whose edges are sharp
   const int sensor_width_;
   const int sensor_height_;
   // Scratch of Render(), kept because to ask for megabytes takes longer than to fill them.

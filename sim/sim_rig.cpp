@@ -28,9 +28,10 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
   for (int i = 0; i < 4; ++i) {
     const AxisLimits& limits = setup.axes[i];
     const double range = limits.max_position - limits.min_position;
-    devices.motors[i] =
-        std::make_shared<SimMotor>(limits.min_position + start.Uniform() * range, limits.max_speed,
-                                   limits.acceleration, clock, limits.move_overhead);
+    devices.motors[i] = std::make_shared<SimMotor>(
+        limits.min_position + start.Uniform() * range, limits.max_speed * truth.speed_factor[i],
+        limits.acceleration * truth.acceleration_factor[i], clock,
+        limits.move_overhead + Seconds(truth.more_overhead[i]));
     SimAxisOptions options;
     options.encoder_resolution = truth.encoder_resolution;
     options.repeatability = truth.repeatability;

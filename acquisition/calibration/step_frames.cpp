@@ -28,7 +28,7 @@ StepFrames::StepFrames(const StepParts& parts, const StepOptions& options, std::
     : parts_(parts),
       options_(options),
       step_(std::move(step)),
-      format_(SensorFormatOf(parts.rig, *parts.devices.camera)),
+      format_(SensorFormatOf(parts.rig, parts.devices.camera->identity())),
       taker_(parts.rig, parts.devices),
       paths_(parts.rig) {
   fs::create_directories(options.folder);

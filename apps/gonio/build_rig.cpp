@@ -3,11 +3,14 @@
 
 #include <fmt/format.h>
 
+#include <ctime>
 #include <mutex>
 #include <optional>
 #include <utility>
 
+#include "acquisition/geometry_calibration/geometry_file.h"
 #include "acquisition/path_planner.h"
+#include "acquisition/time_model/time_model.h"
 #include "apps/gonio/device_error.h"
 #include "core/check.h"
 #include "core/config.h"
@@ -17,13 +20,45 @@
 
 namespace gonio {
 
-RigFile LoadRig(const std::filesystem::path& path) {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The camera is compared when it is opened: until then, it is whatever the file says.
+void UseGeometryFile(const fs::path& path, RigFile& file) {
+  file.calibrated_camera = ConfigNode::Load(path).Text("camera");
+  UseGeometry(
+      ReadGeometry(path, SensorFormatOf(file.config, file.calibrated_camera), std::time(nullptr)),
+      file.config);
+}
+
+void UseCalibrations(RigFile& file) {
+  const fs::path& folder = file.config.calibration.folder;
+  if (folder.empty()) return;
+  if (fs::exists(folder / kGeometryFile)) UseGeometryFile(folder / kGeometryFile, file);
+  if (fs::exists(folder / kTimeFile)) file.config.time_model = ReadTimes(folder / kTimeFile);
+}
+
+void CheckCalibratedCamera(const RigFile& file, const Camera& camera) {
+  if (file.calibrated_camera.empty() || file.calibrated_camera == camera.identity()) return;
+  throw ConfigError(fmt::format("{}: is of camera {}, this is {}",
+                                (file.config.calibration.folder / kGeometryFile).string(),
+                                file.calibrated_camera, camera.identity()));
+}
+
+}  // namespace
+
+RigFile LoadRig(const std::filesystem::path& path, CalibrationUse use,
+                const std::filesystem::path& folder) {
   const std::string text = ReadTextFile(path);
   const ConfigNode root = ConfigNode::Parse(text, path.string());
   RigFile file;
   file.config = ReadRig(root, text);
   file.simulation = ReadSim(root);
   root.RefuseUnknownKeys();
+  file.built = file.config.imaging;
+  if (!folder.empty()) file.config.calibration.folder = folder;
+  if (use == CalibrationUse::kUsed) UseCalibrations(file);
   return file;
 }
 
@@ -33,12 +68,13 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
   const SimSetup setup{.axes = file.config.axes,
                        .home_limit = file.config.motion.home_limit,
                        .camera = file.config.camera,
-                       .imaging = file.config.imaging};
+                       .imaging = file.built};
   SimDevices sim = MakeSimDevices(file.simulation, setup, sample, *rig.clock, seed);
   rig.devices = {.axes = std::move(sim.axes),
                  .camera = std::move(sim.camera),
                  .light = std::move(sim.light),
                  .monitor = std::move(sim.monitor)};
+  CheckCalibratedCamera(file, *rig.devices.camera);
   return rig;
 }
 
@@ -133,6 +169,7 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
   OpenLightAndMonitor(file, seed, rig);
   if (file.config.camera_device.driver != CameraDevice::Driver::kSimulated) {
     OpenRealCamera(file.config, rig);
+    CheckCalibratedCamera(file, *rig.devices.camera);
     return rig;
   }
   GONIO_CHECK(sample != nullptr, "a simulated camera needs something to look at");
@@ -141,7 +178,7 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
   rig.devices.camera = std::make_unique<SimCamera>(
       "camera", file.config.camera, file.simulation, *sample,
       std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
-      *rig.clock, Random(seed, kCameraStream), file.config.imaging);
+      *rig.clock, Random(seed, kCameraStream), file.built);
   return rig;
 }
 

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "acquisition/radiometry/sensor.h"
 #include "acquisition/rig.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
@@ -20,11 +21,18 @@ namespace gonio {
 
 struct RigFile {
   RigConfig config;
-  SimConfig simulation;  // of the parts that are not real
+  SimConfig simulation;           // of the parts that are not real
+  std::string calibrated_camera;  // the identity in geometry.yaml; empty: not used
+  Imaging built;                  // as the rig file has it, which simulated parts are built by
 };
 
-// Throws ConfigError naming file, line and key.
-RigFile LoadRig(const std::filesystem::path& path);
+// Whether what stands in the rig's calibration folder takes the place of what its file believes.
+enum class CalibrationUse { kUsed, kIgnored };
+
+// geometry.yaml and time.yaml are used where `calibration.folder` (of a relative path: beside the
+// rig file) has them. Throws ConfigError naming file, line and key.
+RigFile LoadRig(const std::filesystem::path& path, CalibrationUse use = CalibrationUse::kUsed,
+                const std::filesystem::path& folder = {});
 
 // Devices with the clock they live by. Destroying it stops the axes and switches the light off.
 struct OpenedRig {

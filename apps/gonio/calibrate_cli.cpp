@@ -54,6 +54,37 @@ void AddStep(CLI::App& app, CalibrateOptions& o, const std::string& step) {
   app.add_flag("--quiet", o.quiet, "No progress, only the results");
 }
 
+std::function<int()> SetUpCalibrateGeometry(CLI::App& app) {
+  auto o = std::make_shared<CalibrateGeometryOptions>();
+  app.add_option("--rig", o->rig, "Rig file; its camera must read out enough to show the target")
+      ->required();
+  app.add_option("--out", o->out, "Calibration folder; views already there are kept")->required();
+  app.add_option("--target", o->target,
+                 "What is on the stage: board finds the camera, mirror then the light; none: fit "
+                 "the views in the folder again")
+      ->check(CLI::IsMember({"board", "mirror", "none"}))
+      ->capture_default_str();
+  app.add_option("--columns", o->columns, "Inner corners of the board along x")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  app.add_option("--rows", o->rows, "Inner corners along y")
+      ->check(CLI::Range(3, 100))
+      ->capture_default_str();
+  app.add_option("--square-mm", o->square_mm, "Side of a square")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--seed", o->seed, "Of the simulated noise")->capture_default_str();
+  app.add_flag("--quiet", o->quiet, "No progress, only the result");
+  return [o] { return CalibrateGeometryCommand(*o); };
+}
+
+std::function<int()> SetUpCalibrateTime(CLI::App& app) {
+  auto o = std::make_shared<CalibrateTimeOptions>();
+  app.add_option("sessions", o->sessions, "Session directories of one rig")->required();
+  app.add_option("--out", o->out, "File to write: time.yaml in the calibration folder")->required();
+  return [o] { return CalibrateTimeCommand(*o); };
+}
+
 }  // namespace
 
 std::function<int()> SetUpCalibrate(CLI::App& app) {
@@ -67,7 +98,18 @@ std::function<int()> SetUpCalibrate(CLI::App& app) {
   CLI::App* status = app.add_subcommand("status", "What there is, how old, for which camera");
   AddRig(*status, *o);
   status->callback([o] { o->step = "status"; });
-  return [o] { return o->step == "status" ? CalibrateStatusCommand(*o) : CalibrateCommand(*o); };
+  auto action = std::make_shared<std::function<int()>>();
+  CLI::App* geometry = app.add_subcommand(
+      "geometry",
+      "Lens, distances and the arms' offsets, from a board and a mirror: geometry.yaml");
+  geometry->callback([action, run = SetUpCalibrateGeometry(*geometry)] { *action = run; });
+  CLI::App* time =
+      app.add_subcommand("time", "Speeds and overheads, from sessions that were run: time.yaml");
+  time->callback([action, run = SetUpCalibrateTime(*time)] { *action = run; });
+  return [o, action] {
+    if (*action) return (*action)();
+    return o->step == "status" ? CalibrateStatusCommand(*o) : CalibrateCommand(*o);
+  };
 }
 
 }  // namespace gonio

@@ -47,7 +47,7 @@ class Scene {
       : truth_(file.simulation),
         bench_(bench),
         sample_(sample),
-        imager_(file.simulation, file.config.imaging, settings.sensor_width, settings.sensor_height,
+        imager_(file.simulation, file.built, settings.sensor_width, settings.sensor_height,
                 Random(kSeed, kCameraStream)) {}
 
   void Expose(const GigeExposure& settings, std::vector<std::uint16_t>& counts) {

@@ -54,6 +54,24 @@ struct CalibrateOptions {
 int CalibrateCommand(const CalibrateOptions& options);
 int CalibrateStatusCommand(const CalibrateOptions& options);
 
+struct CalibrateGeometryOptions {
+  std::string rig;
+  std::filesystem::path out;     // calibration folder
+  std::string target = "board";  // "board", "mirror", or "none": fit again
+  int columns = 9;               // inner corners
+  int rows = 6;
+  double square_mm = 5;
+  std::uint64_t seed = 1;  // of simulated noise
+  bool quiet = false;
+};
+int CalibrateGeometryCommand(const CalibrateGeometryOptions& options);
+
+struct CalibrateTimeOptions {
+  std::vector<std::filesystem::path> sessions;
+  std::filesystem::path out;  // .yaml
+};
+int CalibrateTimeCommand(const CalibrateTimeOptions& options);
+
 struct FitCommandOptions {
   std::filesystem::path input;  // .binary, .bsdf, material .yaml, .csv or a session
   std::filesystem::path out;

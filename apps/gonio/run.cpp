@@ -8,10 +8,12 @@
 
 #include "acquisition/calibration/calibrations.h"
 #include "acquisition/event_log.h"
+#include "acquisition/geometry_calibration/geometry_file.h"
 #include "acquisition/radiometry.h"
 #include "acquisition/session.h"
 #include "acquisition/session_costs.h"
 #include "acquisition/time_estimate.h"
+#include "acquisition/time_model/time_model.h"
 #include "apps/gonio/build_rig.h"
 #include "apps/gonio/commands.h"
 #include "apps/gonio/device_error.h"
@@ -54,7 +56,7 @@ struct Setup {
 
 Setup Prepare(const RunOptions& options) {
   Setup setup;
-  setup.rig = LoadRig(LocateConfig(options.rig));
+  setup.rig = LoadRig(LocateConfig(options.rig), CalibrationUse::kUsed, options.calibration);
   setup.plan_path = LocateConfig(options.plan);
   setup.plan = LoadPlan(setup.plan_path);
   if (options.max_poses > 0) setup.plan.max_poses = options.max_poses;
@@ -68,7 +70,6 @@ Setup Prepare(const RunOptions& options) {
     setup.material = OpenAny(setup.material_path);
     WarnIfSeen(setup.plan.prior, setup.material_path.stem().string());
   }
-  if (!options.calibration.empty()) setup.rig.config.calibration.folder = options.calibration;
   return setup;
 }
 
@@ -86,7 +87,7 @@ Calibrations LoadFor(const RigConfig& rig, const Camera& camera) {
   const CalibrationPolicy& policy = rig.calibration;
   if (policy.folder.empty()) return {};
   const std::int64_t now = std::time(nullptr);
-  Calibrations calibrations = LoadCalibrations(policy, SensorFormatOf(rig, camera), now);
+  Calibrations calibrations = LoadCalibrations(policy, SensorFormatOf(rig, camera.identity()), now);
   fmt::print("calibration      {}\n", AgesOf(calibrations, now));
   if (!calibrations.responsivity) {
     fmt::print("                 responsivity is the rig file's: no standard was measured\n");
@@ -95,6 +96,16 @@ Calibrations LoadFor(const RigConfig& rig, const Camera& camera) {
     fmt::print(stderr, "gonio: warning: {}\n", old);
   }
   return calibrations;
+}
+
+// Files of the calibration folder that say where things are and how long they take.
+std::vector<fs::path> FilesOfTheWhole(const RigConfig& rig) {
+  std::vector<fs::path> files;
+  for (const char* name : {kGeometryFile, kTimeFile}) {
+    const fs::path file = rig.calibration.folder / name;
+    if (!rig.calibration.folder.empty() && fs::exists(file)) files.push_back(file);
+  }
+  return files;
 }
 
 SessionInfo Describe(const RunOptions& options, const Setup& setup,
@@ -119,6 +130,9 @@ SessionInfo Describe(const RunOptions& options, const Setup& setup,
   }
   for (const CalibrationFile& file : calibrations.files) {
     info.calibrations[FileNameOf(file.kind)] = file.sha256;
+  }
+  for (const fs::path& file : FilesOfTheWhole(setup.rig.config)) {
+    info.calibrations[file.filename().string()] = Sha256OfFile(file);
   }
   for (int i = 0; i < kAxes; ++i) info.devices[kAxisNames[i]] = devices.axes[i]->identity();
   info.devices["camera"] = devices.camera->identity();
@@ -215,6 +229,10 @@ int RunCommand(const RunOptions& options) {
   setup.planner = PlannerFor(setup, options.seed);
   EventLog log = EventLog::Create(options.out, Describe(options, setup, calibrations, rig.devices));
   if (!calibrations.empty()) CopyCalibrations(calibrations, options.out / kSessionCalibration);
+  for (const fs::path& file : FilesOfTheWhole(setup.rig.config)) {
+    fs::create_directories(options.out / kSessionCalibration);
+    fs::copy_file(file, options.out / kSessionCalibration / file.filename());
+  }
   if (rig.wires) rig.wires->WriteTo(options.out / kWireLog);
 
   SessionSummary summary;

@@ -48,7 +48,7 @@ const std::vector<Fence> kFences = {
     {"arv.h", {"drivers", "sim"}, true},
     {"glib", {"drivers", "sim"}, true},
     {"openssl/", {"core"}, true},
-    {"ceres/", {"fitting"}, true},
+    {"ceres/", {"fitting", "acquisition"}, true},
     {"fcl/", {"acquisition"}, true},
     {"opencv2/", {"brdf", "acquisition"}, true},
 };

@@ -95,7 +95,8 @@ Calibrations Calibrate(const Setting& setting, std::uint64_t seed) {
   Instrument instrument(setting.rig, setting.truth, trap, seed);
   CalibrationPolicy policy;
   policy.folder = options.folder;
-  return LoadCalibrations(policy, SensorFormatOf(setting.rig, *instrument.devices.camera), kToday);
+  return LoadCalibrations(
+      policy, SensorFormatOf(setting.rig, instrument.devices.camera->identity()), kToday);
 }
 
 // Sums of z and of relative errors.

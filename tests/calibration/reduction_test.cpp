@@ -15,7 +15,7 @@ namespace {
 // Calibrations that say what the rig says: a dark current, and nothing else.
 Calibrations NothingNew(const RigConfig& rig, const Camera& camera) {
   Calibrations same;
-  same.format = SensorFormatOf(rig, camera);
+  same.format = SensorFormatOf(rig, camera.identity());
   same.sensor = SensorCalibration{{rig.radiometry.electrons_per_count, 0},
                                   {rig.radiometry.read_noise, 0},
                                   {20000, 0},
