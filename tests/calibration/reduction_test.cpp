@@ -72,6 +72,34 @@ TEST(ReduceWithCalibrations, KnowsNothingOfSaturatedChannels) {
   EXPECT_TRUE(std::isfinite(reduced->front().sample.sigma[1]));
 }
 
+// Where all pixels see the same, glare only moves light about: what it adds it has taken. The
+// background is per pixel, whatever light falls on the sample. Example failure: a background that
+// is divided by cos(theta_i) twice.
+TEST(ReduceWithCalibrations, TakesOffStrayLight) {
+  const FlatBrdf sample(Rgb(0.3, 0.05, 0.02));
+  SimulatedRig rig(sample, 3);
+  PoseMeasurer measurer = rig.Prepared();
+  const auto record = measurer.Measure(PairAt(25, 30, 60), std::nullopt, {}, 2);
+  ASSERT_TRUE(record.ok());
+  Calibrations calibrations = NothingNew(rig.rig, *rig.devices.camera);
+  const auto without = Reduce(*record, rig.rig, calibrations);
+  StrayLight stray;
+  stray.background = {90, 3};
+  stray.glare = {0.1, 0.02};
+  calibrations.stray = StrayLights{stray, stray, stray};
+  const auto with = Reduce(*record, rig.rig, calibrations);
+  ASSERT_TRUE(with.ok() && without.ok());
+  const BrdfSample& a = without->front().sample;
+  const BrdfSample& b = with->front().sample;
+  for (int c = 0; c < kChannels; ++c) {
+    const double per_f_r = 0.9 * rig.rig.radiometry.responsivity[c] * record->regions.front().light;
+    EXPECT_NEAR(b.f_r[c], a.f_r[c] - 90 / per_f_r, 1e-3 * a.f_r[c]) << c;
+    EXPECT_NEAR(with->front().budget[UncertaintyTerm::kStrayLight][c],
+                std::hypot(3 / per_f_r, (b.f_r[c] - a.f_r[c]) / 0.9 * 0.02), 0.05 * 3 / per_f_r)
+        << c;
+  }
+}
+
 // A session can be reduced again from what lies in it.
 TEST(ReduceWithCalibrations, GivesTheSameToTheLastBitFromCopies) {
   SimulatedRig rig(WhiteTile(), 1, ImperfectRig(), ImperfectTruth());
