@@ -70,7 +70,7 @@ std::optional<Corners> FindCorners(const Frame& frame, int full_scale, const Che
   grey.convertTo(bytes, CV_8U, 255 / std::clamp<double>(brightest, 1, full_scale));
   std::vector<cv::Point2f> found;
   if (!cv::findChessboardCornersSB(bytes, {board.columns, board.rows}, found,
-                                   cv::CALIB_CB_ACCURACY | cv::CALIB_CB_NORMALIZE_IMAGE)) {
+                                   cv::CALIB_CB_NORMALIZE_IMAGE)) {
     return std::nullopt;
   }
   // The sectors' fit is off by some hundredths of a pixel on a board seen aslant; where gradients

@@ -272,5 +272,38 @@ TEST(Kinematics, LeavesRoomForTheApproach) {
   EXPECT_FALSE(Kinematics(rig).Reachable(highest));
 }
 
+// Example failure is an offset that is added on the way out and on the way back.
+TEST(Kinematics, CalibratedOffsetsComeOnTopOfTheEncoders) {
+  RigConfig rig = DefaultRig();
+  rig.axis_offsets = {0.01, -0.02, 0.03, 0.015};
+  const Kinematics kinematics(rig);
+  const ArmAngles encoders = {0.2, 0.9, -1.5, 1.1};
+  const DirectionPair pair = kinematics.Forward(encoders);
+  const DirectionPair truly = Kinematics(DefaultRig()).Forward({0.21, 0.88, -1.47, 1.115});
+  EXPECT_LT((pair.wi - truly.wi).norm(), 1e-12);
+  EXPECT_LT((pair.wo - truly.wo).norm(), 1e-12);
+  const auto back = kinematics.Inverse(pair, encoders);
+  ASSERT_TRUE(back);
+  for (int i = 0; i < kAxes; ++i) EXPECT_NEAR((*back)[i], encoders[i], 1e-9);
+  // An elevation that only an encoder beyond its limit would give is out of reach.
+  const double lowest = rig.axes[kLightElevation].min_position - 0.02;
+  const DirectionPair low = {FromSpherical(kPi / 2 - lowest + 1e-3, 0), truly.wo};
+  EXPECT_FALSE(kinematics.Reachable(low));
+}
+
+TEST(Kinematics, TravelsByTheTimeModel) {
+  RigConfig rig = DefaultRig();
+  const ArmAngles there = {0, 1, 0, 0};
+  const Seconds believed = Kinematics(rig).TravelTime({}, there);
+  rig.time_model.emplace();
+  for (int i = 0; i < kAxes; ++i) {
+    rig.time_model->max_speed[i] = rig.axes[i].max_speed / 2;
+    rig.time_model->acceleration[i] = rig.axes[i].acceleration / 4;
+    rig.time_model->move_overhead[i] = Seconds(0.25);
+  }
+  // Half the speed and a quarter of the acceleration: the same profile, stretched.
+  EXPECT_NEAR(Kinematics(rig).TravelTime({}, there).count(), 2 * believed.count() + 0.25, 1e-9);
+}
+
 }  // namespace
 }  // namespace gonio
