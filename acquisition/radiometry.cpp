@@ -129,6 +129,17 @@ ReducedSample ReduceRegion(const PoseRecord& pose, const ImageRegion& region,
   return reduced;
 }
 
+// What wrong directions do to the cosine that is divided out. What they do to f_r itself depends on
+// its slope, which a sample does not tell: that is for the fit to bear.
+void AddAngle(const RigConfig& rig, ReducedSample* reduced) {
+  if (!rig.sigma_of_directions) return;
+  const double theta_i = std::acos(std::clamp(reduced->sample.directions.cos_theta_i(), 0.0, 1.0));
+  for (int c = 0; c < kChannels; ++c) {
+    reduced->budget[UncertaintyTerm::kAngle][c] =
+        AngleTerm(reduced->sample.f_r[c], 0, theta_i, *rig.sigma_of_directions);
+  }
+}
+
 std::vector<ReducedSample> ReduceByRig(const PoseRecord& pose, const RigConfig& rig) {
   std::vector<ReducedSample> samples;
   for (const ImageRegion& region : pose.regions) {
@@ -166,17 +177,6 @@ ReducedSample FromRates(const RegionRates& rates, const ImageRegion& region, con
         std::abs(reduced.sample.f_r[c]) * responsivity.relative();
   }
   return reduced;
-}
-
-// What wrong directions do to the cosine that is divided out. What they do to f_r itself depends on
-// its slope, which a sample does not tell: that is for the fit to bear.
-void AddAngle(const RigConfig& rig, ReducedSample* reduced) {
-  if (!rig.sigma_of_directions) return;
-  const double theta_i = std::acos(std::clamp(reduced->sample.directions.cos_theta_i(), 0.0, 1.0));
-  for (int c = 0; c < kChannels; ++c) {
-    reduced->budget[UncertaintyTerm::kAngle][c] =
-        AngleTerm(reduced->sample.f_r[c], 0, theta_i, *rig.sigma_of_directions);
-  }
 }
 
 // About how many pixels of each colour a sample is averaged over.
