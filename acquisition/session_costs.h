@@ -4,6 +4,7 @@
 #pragma once
 
 #include "acquisition/rig.h"
+#include "planner/image_parts.h"
 #include "planner/planner.h"
 
 namespace gonio {

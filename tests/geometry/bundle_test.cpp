@@ -92,7 +92,7 @@ TEST(FitGeometry, UncertaintiesAreRightOverSeeds) {
   const auto planted = PlantedValues(truth);
   std::array<double, kGeometryUnknowns> squares{};
   double all = 0;
-  constexpr int kSeeds = 50;
+  constexpr int kSeeds = 60;
   for (int seed = 1; seed <= kSeeds; ++seed) {
     const auto fit = Fit(Synthetic(truth, seed, 0.05));
     ASSERT_TRUE(fit) << fit.error().message;
