@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquisition/radiometry/calibration_file.h"
 #include "core/config.h"
 #include "core/file.h"
 #include "core/units.h"
@@ -231,14 +232,17 @@ Result<TimeFit> FitTimes(const RigConfig& rig, const LoggedTimes& times) {
   return fit;
 }
 
-void WriteTimes(const std::filesystem::path& path, const TimeFit& fit) {
+void WriteTimes(const std::filesystem::path& path, const TimeFit& fit, std::int64_t now) {
   WriteFileAtomically(path, [&](std::ostream& out) {
     const auto line = [&](const char* indent, const char* key, const MeasuredValue& e,
                           double unit) {
       fmt::print(out, "{}{}: [{:.9g}, {:.3g}]\n", indent, key, e.value / unit, e.sigma / unit);
     };
     const double degree = RadFromDeg(1);
-    fmt::print(out, "# Each: value and standard uncertainty.\nversion: 1\nkind: time\naxes:\n");
+    fmt::print(out,
+               "# Each: value and standard uncertainty.\nversion: 1\nkind: time\n"
+               "created_utc: \"{}\"\naxes:\n",
+               UtcText(now));
     for (int i = 0; i < kAxes; ++i) {
       fmt::print(out, "  {}:  # the slowest in {} moves\n", kAxisNames[i], fit.decided[i]);
       line("    ", "max_speed_deg_s", fit.max_speed[i], degree);
@@ -256,6 +260,7 @@ TimeModel ReadTimes(const std::filesystem::path& path) {
   const ConfigNode root = ConfigNode::Load(path);
   root.Integer("version", 1, 1);
   root.Choice("kind", {"time"});
+  (void)root.Text("created_utc");
   TimeModel model;
   const ConfigNode axes = root.Map("axes");
   for (int i = 0; i < kAxes; ++i) {

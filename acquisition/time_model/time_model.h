@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -59,7 +60,7 @@ inline constexpr int kLeastMoves = 10;
 Result<TimeFit> FitTimes(const RigConfig& rig, const LoggedTimes& times);
 
 // Throws std::runtime_error or ConfigError naming file, line and key.
-void WriteTimes(const std::filesystem::path& path, const TimeFit& fit);
+void WriteTimes(const std::filesystem::path& path, const TimeFit& fit, std::int64_t now);
 TimeModel ReadTimes(const std::filesystem::path& path);
 
 }  // namespace gonio

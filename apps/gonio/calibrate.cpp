@@ -5,9 +5,12 @@
 
 #include <ctime>
 #include <stdexcept>
+#include <utility>
 
 #include "acquisition/calibration/calibration_status.h"
 #include "acquisition/calibration/steps.h"
+#include "acquisition/geometry_calibration/geometry_file.h"
+#include "acquisition/time_model/time_model.h"
 #include "apps/gonio/build_rig.h"
 #include "apps/gonio/commands.h"
 #include "apps/gonio/device_error.h"
@@ -126,6 +129,14 @@ int CalibrateStatusCommand(const CalibrateOptions& options) {
     const double days = static_cast<double>(now - status.header->created) / 86400;
     fmt::print("{:<16} {:.1f} days{}: {}\n", name, days, status.old ? ", too old" : "",
                status.numbers);
+  }
+  for (const auto& [name, file] : {std::pair{"geometry", kGeometryFile}, {"time", kTimeFile}}) {
+    const fs::path path = policy.folder / file;
+    if (!fs::exists(path)) {
+      fmt::print("{:<16} missing; gonio calibrate {} makes it\n", name, name);
+      continue;
+    }
+    fmt::print("{:<16} made {}\n", name, ConfigNode::Load(path).TextOr("created_utc", "some day"));
   }
   return kDone;
 }

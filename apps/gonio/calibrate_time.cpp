@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <ctime>
 #include <stdexcept>
 
 #include "acquisition/session_record.h"
@@ -55,7 +56,7 @@ int CalibrateTimeCommand(const CalibrateTimeOptions& options) {
   if (!options.out.parent_path().empty()) {
     std::filesystem::create_directories(options.out.parent_path());
   }
-  WriteTimes(options.out, *fit);
+  WriteTimes(options.out, *fit, std::time(nullptr));
   fmt::print("wrote {}\n", options.out.string());
   return kDone;
 }

@@ -82,22 +82,6 @@ std::unique_ptr<Planner> PlannerFor(const Setup& setup, std::uint64_t seed) {
                       .seed = seed});
 }
 
-// Those of the rig's folder, for this camera; says which they are.
-Calibrations LoadFor(const RigConfig& rig, const Camera& camera) {
-  const CalibrationPolicy& policy = rig.calibration;
-  if (policy.folder.empty()) return {};
-  const std::int64_t now = std::time(nullptr);
-  Calibrations calibrations = LoadCalibrations(policy, SensorFormatOf(rig, camera.identity()), now);
-  fmt::print("calibration      {}\n", AgesOf(calibrations, now));
-  if (!calibrations.responsivity) {
-    fmt::print("                 responsivity is the rig file's: no standard was measured\n");
-  }
-  for (const std::string& old : OldOnes(calibrations, policy, now)) {
-    fmt::print(stderr, "gonio: warning: {}\n", old);
-  }
-  return calibrations;
-}
-
 // Files of the calibration folder that say where things are and how long they take.
 std::vector<fs::path> FilesOfTheWhole(const RigConfig& rig) {
   std::vector<fs::path> files;
@@ -106,6 +90,26 @@ std::vector<fs::path> FilesOfTheWhole(const RigConfig& rig) {
     if (!rig.calibration.folder.empty() && fs::exists(file)) files.push_back(file);
   }
   return files;
+}
+
+// Those of the rig's folder, for this camera; says which they are.
+Calibrations LoadFor(const RigConfig& rig, const Camera& camera) {
+  const CalibrationPolicy& policy = rig.calibration;
+  if (policy.folder.empty()) return {};
+  const std::int64_t now = std::time(nullptr);
+  Calibrations calibrations = LoadCalibrations(policy, SensorFormatOf(rig, camera.identity()), now);
+  std::string used = AgesOf(calibrations, now);
+  for (const fs::path& file : FilesOfTheWhole(rig)) {
+    used = (calibrations.empty() && used == "none" ? "" : used + ", ") + file.stem().string();
+  }
+  fmt::print("calibration      {}\n", used);
+  if (!calibrations.responsivity) {
+    fmt::print("                 responsivity is the rig file's: no standard was measured\n");
+  }
+  for (const std::string& old : OldOnes(calibrations, policy, now)) {
+    fmt::print(stderr, "gonio: warning: {}\n", old);
+  }
+  return calibrations;
 }
 
 SessionInfo Describe(const RunOptions& options, const Setup& setup,

@@ -86,30 +86,38 @@ Result<GeometryFit> Fit(const Views& views) {
   return FitGeometry(Belief(BelievedRig()), kBoard, views.boards, views.mirrors);
 }
 
-// Example failure is a covariance of another weighting than the fit's.
-TEST(FitGeometry, UncertaintiesAreRightOverSeeds) {
+// z-scores of all unknowns over so many seeds: their deviation is 1 within `each` for each unknown
+// and `together` for all.
+void ExpectStandardScores(int seeds, double each, double together) {
   const SimConfig truth = PlantedTruth();
   const auto planted = PlantedValues(truth);
   std::array<double, kGeometryUnknowns> squares{};
   double all = 0;
-  constexpr int kSeeds = 60;
-  for (int seed = 1; seed <= kSeeds; ++seed) {
+  for (int seed = 1; seed <= seeds; ++seed) {
     const auto fit = Fit(Synthetic(truth, seed, 0.05));
     ASSERT_TRUE(fit) << fit.error().message;
     for (int i = 0; i < kGeometryUnknowns; ++i) {
       if (i == kRadialDistortion) continue;
       const double z = (fit->unknowns[i].value - planted[i]) / fit->unknowns[i].sigma;
-      squares[i] += z * z / kSeeds;
-      all += z * z / (kSeeds * (kGeometryUnknowns - 1));
+      squares[i] += z * z / seeds;
+      all += z * z / (seeds * (kGeometryUnknowns - 1));
     }
   }
   for (int i = 0; i < kGeometryUnknowns; ++i) {
     if (i == kRadialDistortion) continue;
     fmt::print("{:28} z {:.2f}\n", kGeometryNames[i], std::sqrt(squares[i]));
-    EXPECT_NEAR(std::sqrt(squares[i]), 1, 0.35) << kGeometryNames[i];
+    EXPECT_NEAR(std::sqrt(squares[i]), 1, each) << kGeometryNames[i];
   }
   fmt::print("all {:.3f}\n", std::sqrt(all));
-  EXPECT_NEAR(std::sqrt(all), 1, 0.2);
+  EXPECT_NEAR(std::sqrt(all), 1, together);
+}
+
+// Example failure is a covariance of another weighting than the fit's.
+TEST(FitGeometry, UncertaintiesAreRightOverSeeds) { ExpectStandardScores(12, 0.7, 0.2); }
+
+// The figures of docs/results.md; takes a minute.
+TEST(FitGeometry, DISABLED_UncertaintiesAreRightOverSixtySeeds) {
+  ExpectStandardScores(60, 0.35, 0.1);
 }
 
 TEST(FitGeometry, TellsADistortedLensFromAStraightOne) {

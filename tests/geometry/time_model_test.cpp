@@ -156,7 +156,7 @@ TEST(ReadTimes, ReadsWhatWasWritten) {
   times.moves = Moves(40, 6, 0.01);
   const auto fit = FitTimes(SlowRig(), times);
   ASSERT_TRUE(fit);
-  WriteTimes(dir.path() / kTimeFile, *fit);
+  WriteTimes(dir.path() / kTimeFile, *fit, 1700000000);
   const TimeModel model = ReadTimes(dir.path() / kTimeFile);
   for (int i = 0; i < kAxes; ++i) {
     EXPECT_NEAR(model.max_speed[i], fit->max_speed[i].value, 1e-8);
