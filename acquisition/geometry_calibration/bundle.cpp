@@ -164,7 +164,9 @@ void Bundle::Add(ceres::Problem& problem, bool robust) {
           loss, u_.data());
     }
   }
-  ceres::LossFunction* other = robust ? new ceres::HuberLoss(kHuber / mirror_sigma_) : nullptr;
+  // The problem owns a loss only once a residual has it.
+  ceres::LossFunction* other =
+      robust && has_light() ? new ceres::HuberLoss(kHuber / mirror_sigma_) : nullptr;
   for (const std::size_t view : used_mirrors_) {
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<HighlightResidual, 2, kGeometryUnknowns>(
@@ -172,9 +174,14 @@ void Bundle::Add(ceres::Problem& problem, bool robust) {
                                   mirror_sigma_}),
         other, u_.data());
   }
-  if (const auto fixed = Fixed(); !fixed.empty()) {
-    problem.SetManifold(u_.data(), new ceres::SubsetManifold(kGeometryUnknowns, fixed));
-  }
+  const std::vector<int> fixed = Fixed();
+  if (fixed.empty()) return;
+#if CERES_VERSION_MAJOR > 2 || CERES_VERSION_MINOR > 0
+  problem.SetManifold(u_.data(), new ceres::SubsetManifold(kGeometryUnknowns, fixed));
+#else  // Ubuntu 22.04
+  problem.SetParameterization(u_.data(),
+                              new ceres::SubsetParameterization(kGeometryUnknowns, fixed));
+#endif
 }
 
 Result<void> Bundle::Solve(bool robust) {

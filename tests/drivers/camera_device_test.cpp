@@ -36,7 +36,7 @@ TEST(CameraDevice, HasDefaults) {
   EXPECT_EQ(device.genicam.serial, "123");
   EXPECT_EQ(device.genicam.gain_db, 0);
   EXPECT_FALSE(device.genicam.black_level.has_value());
-  EXPECT_EQ(device.genicam.retries, 3);
+  EXPECT_EQ(device.genicam.retries, 8);
   EXPECT_EQ(device.genicam.discarded_on_change, 1);
 }
 
