@@ -31,6 +31,13 @@ TEST_F(Check, DrawsThem) {
   ExpectRefused(Gonio("check rig-solid-arms.yaml --out reach.jpg"), 2, {"reach.jpg"});
 }
 
+// Example failure is a rig whose arms stand in each other's way once they are homed.
+TEST_F(Check, ItsRigMeasures) {
+  const Finished finished = Expect("run --rig rig-solid-arms.yaml --max-poses 12 --quiet --out s");
+  EXPECT_THAT(finished.out, HasSubstr("12 measured"));
+  EXPECT_THAT(finished.out, HasSubstr("0 refused"));
+}
+
 TEST_F(Check, RefusesARigThatIsNone) {
   File("rig.yaml", "version: 1\n");
   ExpectRefused(Gonio("check rig.yaml"), 2, {"rig.yaml:1: name: is missing"});
