@@ -37,7 +37,8 @@ class StepFrames {
 
   // Homes and lights once, moves, and notes which pixels see the sample. kRefused: out of reach.
   Result<void> GoTo(const DirectionPair& pair);
-  const ArmAngles& readback() const { return readback_; }
+  // Where the arms are, in the sample's frame: encoders and the offsets of geometry.yaml.
+  const ArmAngles& arms() const { return arms_; }
   const std::vector<ImageRegion>& regions() const { return regions_; }
 
   // The exposure [s] that brings the brightest channel to `fraction` of full scale on these pixels,
@@ -68,7 +69,7 @@ class StepFrames {
   FrameTaker taker_;
   const PathPlanner paths_;
   bool prepared_ = false;
-  ArmAngles readback_{};
+  ArmAngles arms_{};
   std::vector<ImageRegion> regions_;
 };
 

@@ -24,7 +24,6 @@ constexpr double kTolerance = RadFromDeg(0.5);
 PoseRecord RecordOf(const StepFrames& step, const Calibrations& calibrations,
                     const std::vector<StoredFrame>& frames) {
   PoseRecord record;
-  record.readback = step.readback();
   record.regions = step.regions();
   if (calibrations.bad_pixels) {
     LeaveOut(calibrations.bad_pixels->mask, CountsPerPixel(step.format().layout), &record.regions);

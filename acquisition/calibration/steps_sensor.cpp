@@ -258,7 +258,7 @@ Result<StepReport> CalibrateFlat(const StepParts& parts, const StepOptions& opti
   };
   const auto frames = step.Take(true, "", choose);
   if (!frames) return frames.error();
-  const std::vector<float> lights = LightOnPixels(parts.rig, step.readback());
+  const std::vector<float> lights = LightOnPixels(parts.rig, step.arms());
   // Dead sites show in the flat only, and spoil the mean that all are compared with: twice.
   auto flat = FlatOf(parts.rig, earlier, *frames, lights);
   if (!flat) return flat.error();

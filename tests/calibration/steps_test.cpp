@@ -9,6 +9,7 @@
 
 #include <csignal>
 
+#include "acquisition/calibration/step_frames.h"
 #include "tests/calibration/imperfect_rig.h"
 
 namespace gonio {
@@ -74,6 +75,24 @@ TEST(Steps, FindTheResponsivity) {
     EXPECT_NEAR(stray.background.value / gain, truth.stray_light,
                 5 * stray.background.sigma + 0.03 * truth.stray_light);
   }
+}
+
+// Example failure is a step that believes the encoders of a rig whose offsets are known.
+TEST(Steps, SeeWhereTheArmsTrulyAre) {
+  RigConfig config = ImperfectRig();
+  SimConfig truth = ImperfectTruth();
+  config.axis_offsets = {0, 0.02, 0, 0.01};
+  truth.axis_offset = config.axis_offsets;
+  SimulatedRig rig(WhiteTile(), 1, config, truth);
+  const TempDir dir;
+  StepOptions options;
+  options.folder = dir.path() / "cal";
+  StepFrames step({rig.rig, rig.devices, rig.clock}, options, "flat");
+  const auto there = step.GoTo(step.Pose());
+  ASSERT_TRUE(there.ok()) << there.error().message;
+  const DirectionPair& seen = step.regions().front().directions;
+  EXPECT_NEAR(std::acos(seen.cos_theta_i()), RadFromDeg(45), 1e-3);
+  EXPECT_NEAR(step.arms()[kLightElevation], RadFromDeg(45), 1e-3);
 }
 
 TEST(Steps, NameTheCommandThatIsMissing) {
