@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kAzimuthStep = kPi / 4;    // of the search, rad
 constexpr double kElevationStep = kPi / 8;  // rad
-constexpr int kMostNodes = 4000;            // the search gives up: some seconds
+constexpr int kMostNodes = 4000;            // the search gives up
 
 // Which axes have arrived: bit i of axis i.
 using Arrived = unsigned;

@@ -47,7 +47,7 @@ class PathPlanner {
   Seconds TravelTime(const ArmAngles& from, const Path& path) const;
 
   // Of each pose, whether it has a position and a way to it from the others: of the groups of poses
-  // that are connected, the largest is kept. Takes a few milliseconds per pose.
+  // that are connected, the largest is kept.
   std::vector<bool> Connected(std::span<const DirectionPair> poses) const;
 
  private:

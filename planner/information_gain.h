@@ -51,7 +51,7 @@ struct GainScores {
 //
 // Where an image holds several samples, J has three rows for each of them, and R their noise: one
 // draw of relative_noise for each channel of the image, so that parts do not average it out. Such a
-// gain costs a thousand times as much; it is found for the scouts of ImageParts and for the
+// gain costs far more; it is found for the scouts of ImageParts and for the
 // candidates that would teach most by their middle. The others keep what their middle would teach,
 // which is less.
 class InformationGain {

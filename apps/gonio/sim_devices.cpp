@@ -87,6 +87,7 @@ void TroubleCamera(GigeCamera& camera, const SimDevicesOptions& options, std::st
   fmt::print(stderr, "sim-devices: the camera is unplugged\n");
   if (options.camera_gone_for_s <= 0) return;
   clock.SleepFor(Seconds(options.camera_gone_for_s), stop);
+  if (stop.stop_requested()) return;  // the command has ended without it
   const auto back = camera.Return();
   fmt::print(stderr, "sim-devices: {}\n",
              back.ok() ? "the camera is plugged in again" : back.error().message);
