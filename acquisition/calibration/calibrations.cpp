@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -60,9 +61,7 @@ void RefuseMissing(const CalibrationPolicy& policy) {
 }
 
 std::string TooOld(const CalibrationFile& file, const CalibrationPolicy& policy, std::int64_t now) {
-  return fmt::format("{}: is {:.1f} days old, calibration.max_age_days is {:.1f}; {} renews it",
-                     file.path.string(), AgeOf(file, now) / kDay, policy.max_age / kDay,
-                     CommandFor(file.kind));
+  return WhyTooOld(file.path, file.created, CommandFor(file.kind), policy, now);
 }
 
 void CopyFile(const fs::path& from, const fs::path& folder, const std::string& sha256) {
@@ -92,12 +91,20 @@ Calibrations LoadCalibrations(const CalibrationPolicy& policy, const SensorForma
     for (const std::string& image : header.image_files)
       file.images.push_back(policy.folder / image);
     ReadProduct(file, demand, &calibrations);
-    if (policy.refuse_old && AgeOf(file, now) > policy.max_age) {
-      throw ConfigError(TooOld(file, policy, now));
-    }
+    const std::string old = TooOld(file, policy, now);
+    if (policy.refuse_old && !old.empty()) throw ConfigError(old);
     calibrations.files.push_back(std::move(file));
   }
   return calibrations;
+}
+
+std::string WhyTooOld(const std::filesystem::path& file, std::int64_t created,
+                      const std::string& command, const CalibrationPolicy& policy,
+                      std::int64_t now) {
+  const auto age = static_cast<double>(now - created);
+  if (age <= policy.max_age) return {};
+  return fmt::format("{}: is {:.1f} days old, calibration.max_age_days is {:.1f}; {} renews it",
+                     file.string(), age / kDay, policy.max_age / kDay, command);
 }
 
 std::string AgesOf(const Calibrations& calibrations, std::int64_t now) {
@@ -112,7 +119,7 @@ std::vector<std::string> OldOnes(const Calibrations& calibrations, const Calibra
                                  std::int64_t now) {
   std::vector<std::string> old;
   for (const CalibrationFile& file : calibrations.files) {
-    if (AgeOf(file, now) > policy.max_age) old.push_back(TooOld(file, policy, now));
+    if (std::string why = TooOld(file, policy, now); !why.empty()) old.push_back(std::move(why));
   }
   return old;
 }

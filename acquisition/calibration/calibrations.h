@@ -48,7 +48,11 @@ Calibrations LoadCalibrations(const CalibrationPolicy& policy, const SensorForma
 
 // "dark 2.0 days, flat-field 3.1 days": how old each is at `now`; "none".
 std::string AgesOf(const Calibrations& calibrations, std::int64_t now);
-// One sentence for each that is older than the policy likes.
+// "FILE: is 41.0 days old, calibration.max_age_days is 30.0; COMMAND renews it"; empty: it is not.
+std::string WhyTooOld(const std::filesystem::path& file, std::int64_t created,
+                      const std::string& command, const CalibrationPolicy& policy,
+                      std::int64_t now);
+// That for each that is older than the policy likes.
 std::vector<std::string> OldOnes(const Calibrations& calibrations, const CalibrationPolicy& policy,
                                  std::int64_t now);
 

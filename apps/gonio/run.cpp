@@ -2,6 +2,7 @@
 // gonio run: a session, its fit, and what both were worth.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <ctime>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 #include "acquisition/event_log.h"
 #include "acquisition/geometry_calibration/geometry_file.h"
 #include "acquisition/radiometry.h"
+#include "acquisition/radiometry/calibration_file.h"
 #include "acquisition/session.h"
 #include "acquisition/session_costs.h"
 #include "acquisition/time_estimate.h"
@@ -92,23 +94,37 @@ std::vector<fs::path> FilesOfTheWhole(const RigConfig& rig) {
   return files;
 }
 
-// Those of the rig's folder, for this camera; says which they are.
+// Adds the ages of those two to `ages`, and what is old by the policy to `old`.
+void JudgeTheWhole(const RigConfig& rig, std::int64_t now, std::vector<std::string>* ages,
+                   std::vector<std::string>* old) {
+  for (const fs::path& file : FilesOfTheWhole(rig)) {
+    const ConfigNode root = ConfigNode::Load(file);
+    const auto created = SecondsOfUtc(root.Text("created_utc"));
+    if (!created) root.Fail("created_utc", "is no time such as 2024-05-03T09:12:44Z");
+    const std::string name = file.stem().string();
+    ages->push_back(fmt::format("{} {:.1f} days", name, (now - *created) / 86400.0));
+    std::string why = WhyTooOld(file, *created, "gonio calibrate " + name, rig.calibration, now);
+    if (!why.empty()) old->push_back(std::move(why));
+  }
+}
+
+// Those of the rig's folder, for this camera; says which they are and how old.
 Calibrations LoadFor(const RigConfig& rig, const Camera& camera) {
   const CalibrationPolicy& policy = rig.calibration;
   if (policy.folder.empty()) return {};
   const std::int64_t now = std::time(nullptr);
   Calibrations calibrations = LoadCalibrations(policy, SensorFormatOf(rig, camera.identity()), now);
-  std::string used = AgesOf(calibrations, now);
-  for (const fs::path& file : FilesOfTheWhole(rig)) {
-    used = (calibrations.empty() && used == "none" ? "" : used + ", ") + file.stem().string();
-  }
-  fmt::print("calibration      {}\n", used);
+  std::vector<std::string> ages;
+  if (!calibrations.empty()) ages.push_back(AgesOf(calibrations, now));
+  std::vector<std::string> old = OldOnes(calibrations, policy, now);
+  JudgeTheWhole(rig, now, &ages, &old);
+  if (policy.refuse_old && !old.empty()) throw ConfigError(old.front());
+  fmt::print("calibration      {}\n",
+             ages.empty() ? "none" : fmt::format("{}", fmt::join(ages, ", ")));
   if (!calibrations.responsivity) {
     fmt::print("                 responsivity is the rig file's: no standard was measured\n");
   }
-  for (const std::string& old : OldOnes(calibrations, policy, now)) {
-    fmt::print(stderr, "gonio: warning: {}\n", old);
-  }
+  for (const std::string& one : old) fmt::print(stderr, "gonio: warning: {}\n", one);
   return calibrations;
 }
 

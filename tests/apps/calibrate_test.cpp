@@ -132,6 +132,22 @@ TEST_F(CalibrateTest, IsSaidOrRefusedWhenOld) {
                 {"dark.yaml", "gonio calibrate darks"});
 }
 
+// Example failure is a file that is used whatever its age because the camera has no part in it.
+TEST_F(CalibrateTest, TimesGrowOldToo) {
+  Expect("run --max-poses 20 --out first --quiet");
+  Expect("calibrate time first --out cal/time.yaml");
+  const std::string run = "run --max-poses 2 --quiet --calibration cal --out ";
+  EXPECT_THAT(Expect(run + "second").out, HasSubstr("calibration      time 0.0 days"));
+  const std::string text = ReadTextFile(work() / "cal/time.yaml");
+  const auto at = text.find("created_utc: \"") + 14;
+  Edit("cal/time.yaml", text.substr(at, 20), "2019-05-01T10:00:00Z");
+  EXPECT_THAT(Gonio(run + "third").err,
+              testing::AllOf(HasSubstr("gonio: warning: "), HasSubstr("days old"),
+                             HasSubstr("gonio calibrate time renews it")));
+  File("strict.yaml", Config("sim-rig.yaml") + "\ncalibration: {folder: cal, when_old: refuse}\n");
+  ExpectRefused(Gonio("run --rig strict.yaml --out fourth"), 2, {"time.yaml", "days old"});
+}
+
 TEST_F(CalibrateTest, SaysWhichStepIsMissing) {
   ExpectRefused(Gonio("calibrate flat --rig sim-imperfect.yaml --out cal"), 2,
                 {"dark.yaml", "gonio calibrate darks"});
