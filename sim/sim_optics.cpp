@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "brdf/camera_axes.h"
+#include "brdf/direction.h"
 #include "core/check.h"
 #include "core/units.h"
 
@@ -37,6 +37,28 @@ Imaging TrueImaging(Imaging imaging, const SimConfig& truth) {
   return imaging;
 }
 
+// Axes of what an arm carries: brdf/imaging.h. Not those of brdf/camera_axes.h: the truth has its
+// own geometry, so that a mistake there cannot hide behind itself.
+struct ArmFrame {
+  ArmFrame(double azimuth, double elevation)
+      : outward(FromSpherical(kPi / 2 - elevation, azimuth)),
+        right(-std::sin(azimuth), std::cos(azimuth), 0),
+        down(std::sin(elevation) * std::cos(azimuth), std::sin(elevation) * std::sin(azimuth),
+             -std::cos(elevation)) {}
+  Vector3d outward;
+  Vector3d right;
+  Vector3d down;
+};
+
+// How far from the axis [focal lengths] a ray left the lens that a pixel receives at `distorted`.
+double Straightened(double distorted, double distortion) {
+  double r = distorted;
+  for (int i = 0; i < 8; ++i) {  // Newton
+    r -= (r * (1 + distortion * r * r) - distorted) / (1 + 3 * distortion * r * r);
+  }
+  return r;
+}
+
 }  // namespace
 
 // The geometry of one pose of the arms.
@@ -48,19 +70,27 @@ class SimOptics::Pose {
         middle_x_(optics.sensor_width_ / 2.0),
         middle_y_(optics.sensor_height_ / 2.0),
         target_(optics.truth_.target),
-        camera_(CameraAxes(imaging_, arms[2], arms[3])),
-        pinhole_(-imaging_.camera_distance * ArmAxes(arms[2], arms[3]).col(2)) {
-    const Eigen::Matrix3d axes = ArmAxes(arms[0], arms[1]);
+        camera_(arms[2], arms[3]),
+        turned_(SimTarget::Turned(imaging_.camera_turn)),
+        pinhole_(imaging_.camera_distance * camera_.outward) {
+    const ArmFrame light(arms[0], arms[1]);
     const auto& offset = optics.truth_.light_offset;
     light_at_infinity_ = std::isinf(imaging_.light_distance);
-    light_ = -axes.col(2);
-    if (light_at_infinity_) return;
-    light_ = axes * Vector3d(offset[0], offset[1], -(imaging_.light_distance + offset[2]));
+    light_ = light_at_infinity_ ? light.outward
+                                : Vector3d((imaging_.light_distance + offset[2]) * light.outward +
+                                           offset[0] * light.right + offset[1] * light.down);
   }
 
-  // Of length focal_length in the middle of the image.
+  // Of length focal_length along the optical axis.
   Vector3d Ray(double x, double y) const {
-    return camera_ * PixelRay(imaging_, x + 0.5 - middle_x_, y + 0.5 - middle_y_);
+    Eigen::Vector2d at(x + 0.5 - middle_x_ - imaging_.principal_x,
+                       y + 0.5 - middle_y_ - imaging_.principal_y);
+    if (imaging_.radial_distortion != 0 && !at.isZero()) {
+      const double r = at.norm() / imaging_.focal_length;
+      at *= Straightened(r, imaging_.radial_distortion) / r;
+    }
+    const Vector3d own = turned_ * Vector3d(at.x(), at.y(), imaging_.focal_length);
+    return own.x() * camera_.right + own.y() * camera_.down - own.z() * camera_.outward;
   }
 
   std::optional<SurfaceView> See(const Vector3d& ray) const {
@@ -138,7 +168,8 @@ class SimOptics::Pose {
   const double middle_x_;
   const double middle_y_;
   const SimTarget& target_;
-  const Eigen::Matrix3d camera_;  // columns right, down, forward
+  const ArmFrame camera_;
+  const Eigen::Matrix3d turned_;  // the camera on its arm: right, down, forward
   const Vector3d pinhole_;
   bool light_at_infinity_ = false;
   Vector3d light_;  // where it is, or the direction to it

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/sim_target.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
-#include "brdf/camera_axes.h"
 #include "core/units.h"
 
 namespace gonio {
@@ -14,16 +14,22 @@ constexpr int kParts = 10;
 
 }  // namespace
 
+Eigen::Matrix3d SimTarget::Turned(const std::array<double, 3>& turn) {
+  using Eigen::AngleAxisd, Eigen::Vector3d;
+  return (AngleAxisd(turn[0], Vector3d::UnitX()) * AngleAxisd(turn[1], Vector3d::UnitY()) *
+          AngleAxisd(turn[2], Vector3d::UnitZ()))
+      .toRotationMatrix();
+}
+
 Eigen::Vector3d SimTarget::Into(const Eigen::Vector3d& point) const {
-  return Turned(turn.data()).transpose() *
-         (point - Eigen::Map<const Eigen::Vector3d>(shift.data()));
+  return Turned(turn).transpose() * (point - Eigen::Map<const Eigen::Vector3d>(shift.data()));
 }
 
 Eigen::Vector3d SimTarget::OutOf(const Eigen::Vector3d& point) const {
-  return Turned(turn.data()) * point + Eigen::Map<const Eigen::Vector3d>(shift.data());
+  return Turned(turn) * point + Eigen::Map<const Eigen::Vector3d>(shift.data());
 }
 
-Eigen::Vector3d SimTarget::Normal() const { return Turned(turn.data()).col(2); }
+Eigen::Vector3d SimTarget::Normal() const { return Turned(turn).col(2); }
 
 Rgb SimTarget::Mirror(const DirectionPair& local) const {
   const Eigen::Vector3d half = (local.wi + local.wo).normalized();

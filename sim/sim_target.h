@@ -18,6 +18,9 @@ namespace gonio {
 // Mirror: black glass without end, whose polish leaves a highlight of some pixels: normals as
 // Beckmann's with the slope kMirrorSlope, 4 % reflected.
 struct SimTarget {
+  // Rx(turn[0]) Ry(turn[1]) Rz(turn[2]); turns in rad.
+  static Eigen::Matrix3d Turned(const std::array<double, 3>& turn);
+
   enum class Kind { kNone, kCheckerboard, kMirror };
   Kind kind = Kind::kNone;
   int columns = 0;  // inner corners
