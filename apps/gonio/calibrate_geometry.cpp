@@ -31,7 +31,7 @@ void CheckRig(const RigConfig& rig, const CalibrateGeometryOptions& options) {
   if (std::min(rig.camera.width, rig.camera.height) < kLeastSide) {
     throw ConfigError(fmt::format(
         "{}: camera: reads out {} by {} pixels; the corners of a board need at least {} each way: "
-        "use a rig file with the whole sensor for this",
+        "let the rig file read out more of the sensor, for this and for the sessions that use it",
         options.rig, rig.camera.width, rig.camera.height, kLeastSide));
   }
   if (options.columns == options.rows) {
