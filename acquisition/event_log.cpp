@@ -14,9 +14,11 @@
 #include <utility>
 #include <vector>
 
-#include "acquisition/event_log_schema.h"
 #include "acquisition/event_log_sqlite.h"
+#include "acquisition/session_format.h"
+#include "acquisition/session_record.h"
 #include "core/check.h"
+#include "core/dir_lock.h"
 #include "core/sha256.h"
 #include "core/units.h"
 
@@ -27,6 +29,12 @@ using nlohmann::json;
 
 std::string UtcNow() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
+}
+
+json ToJson(const MeasurerState& state) {
+  json body = {{"told_rad", state.told}};
+  if (state.exposure) body["exposure_s"] = state.exposure->count();
+  return body;
 }
 
 json DegreesOf(const HalfDiff& angles) {
@@ -43,6 +51,10 @@ std::vector<std::uint8_t> LittleEndian(const std::vector<std::uint16_t>& counts)
     bytes.push_back(static_cast<std::uint8_t>(count >> 8));
   }
   return bytes;
+}
+
+std::string_view AsText(const std::vector<std::uint8_t>& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
 // NULL for infinity, which is no SQL number: the sigma of a channel that could not be measured.
@@ -81,23 +93,6 @@ json BudgetOf(const ReducedSample& reduced) {
   return terms;
 }
 
-void CreateTables(sqlite::Database& db) {
-  db.Execute(kSessionSchema);
-  constexpr const char* kRefuse =
-      "CREATE TRIGGER {0}_refuse_{1} BEFORE {1} ON {0} {2} BEGIN SELECT RAISE(ABORT, '{0} is "
-      "append-only'); END";
-  for (const auto& [table, same_key] : kSessionTables) {
-    const std::string replaces =
-        fmt::format("WHEN EXISTS (SELECT 1 FROM {} WHERE {})", table, same_key);
-    db.Execute(fmt::format(kRefuse, table, "UPDATE", "").c_str());
-    db.Execute(fmt::format(kRefuse, table, "DELETE", "").c_str());
-    db.Execute(fmt::format(kRefuse, table, "INSERT", replaces).c_str());
-  }
-  db.Execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
-                         kSessionApplicationId, kSessionFormat)
-                 .c_str());
-}
-
 void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
   sqlite::Statement insert(db, "INSERT INTO meta (key, value) VALUES (?, ?)");
   const auto put = [&](const std::string& key, const std::string& text) { insert.Run(key, text); };
@@ -107,6 +102,7 @@ void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
   put("seed", std::to_string(info.seed));
   put("max_poses", std::to_string(info.max_poses));
   put("rig_name", info.rig_name);
+  put("rig_path", info.rig_path);
   put("rig_text", info.rig_text);
   put("rig_sha256", Sha256(info.rig_text));
   put("plan_path", info.plan_path);
@@ -124,8 +120,10 @@ void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
 }  // namespace
 
 struct EventLog::Impl {
-  explicit Impl(const std::filesystem::path& path)
-      : db(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE) {}
+  Impl(const std::filesystem::path& dir, int flags)
+      : lock(dir), db(dir / kSessionFile, SQLITE_OPEN_READWRITE | flags) {
+    db.Execute("PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
+  }
 
   // All of `body` in one transaction; what SQLite refuses becomes a kStorage error.
   template <typename Body>
@@ -161,7 +159,8 @@ struct EventLog::Impl {
              record.end.count(), note.predicted_error);
   }
 
-  void InsertExposure(int pose, int number, const Exposure& exposure) {
+  // Returns the SHA-256 of the frame as it is kept.
+  std::string InsertExposure(int pose, int number, const Exposure& exposure) {
     const Frame& frame = exposure.frame;
     const std::vector<std::uint8_t> bytes = LittleEndian(frame.counts);
     sqlite::Statement(db,
@@ -171,6 +170,7 @@ struct EventLog::Impl {
              std::string(ToString(frame.layout)), int{exposure.saturated[0]},
              int{exposure.saturated[1]}, int{exposure.saturated[2]},
              std::span<const std::uint8_t>(bytes));
+    return Sha256(AsText(bytes));
   }
 
   void InsertSample(int pose, int part, const ReducedSample& reduced) {
@@ -192,6 +192,7 @@ struct EventLog::Impl {
              FiniteOrNull(sample.sigma[2]), systematic_of(0), systematic_of(1), systematic_of(2));
   }
 
+  DirLock lock;
   sqlite::Database db;
 };
 
@@ -225,12 +226,10 @@ EventLog EventLog::Create(const std::filesystem::path& dir, SessionInfo info) {
         fmt::format("{}: cannot make this directory: {}", dir.string(), error.message()));
   }
   try {
-    auto impl = std::make_unique<Impl>(dir / kSessionFile);
-    impl->db.Execute(
-        "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
+    auto impl = std::make_unique<Impl>(dir, SQLITE_OPEN_CREATE);
     if (info.created_utc.empty()) info.created_utc = UtcNow();
     sqlite::Transaction transaction(impl->db);
-    CreateTables(impl->db);
+    CreateSessionTables(impl->db);
     WriteMeta(impl->db, info);
     impl->InsertEvent(Seconds(0), "session_start", {{"seed", info.seed}, {"rig", info.rig_name}});
     transaction.Commit();
@@ -242,12 +241,30 @@ EventLog EventLog::Create(const std::filesystem::path& dir, SessionInfo info) {
   }
 }
 
+EventLog EventLog::Open(const std::filesystem::path& dir) {
+  CheckSession(dir);
+  try {
+    auto impl = std::make_unique<Impl>(dir, 0);
+    const std::int64_t version = CheckSessionFormat(impl->db);
+    if (version < kSessionFormat) {
+      throw ConfigError(
+          fmt::format("{}: has session format {}, which can be read but not gone on "
+                      "with; format {} can",
+                      dir.string(), version, kSessionFormat));
+    }
+    return EventLog(std::move(impl));
+  } catch (const sqlite::Failure& e) {
+    throw ConfigError(e.what());
+  }
+}
+
 Result<void> EventLog::AppendPose(const PoseNote& note, const PoseRecord& record) {
   return impl_->Write([&] {
     impl_->InsertPose(note, record);
-    int number = 0;
+    json hashes = json::array();
     for (const Exposure& exposure : record.exposures) {
-      impl_->InsertExposure(note.pose, ++number, exposure);
+      hashes.push_back(
+          impl_->InsertExposure(note.pose, static_cast<int>(hashes.size()) + 1, exposure));
     }
     impl_->InsertEvent(record.end, "pose_measured",
                        {{"pose", note.pose},
@@ -255,9 +272,11 @@ Result<void> EventLog::AppendPose(const PoseNote& note, const PoseRecord& record
                         {"reason", note.proposal.reason},
                         {"frames", record.exposures.size()},
                         {"frames_wanted", note.proposal.frames},
+                        {"frames_sha256", hashes},
                         {"move_retries", record.move_retries},
                         {"commanded_rad", record.commanded},
-                        {"readback_rad", record.readback}});
+                        {"readback_rad", record.readback},
+                        {"after", ToJson(note.after)}});
   });
 }
 
@@ -274,12 +293,38 @@ Result<void> EventLog::AppendSamples(int pose, Seconds time,
   });
 }
 
-Result<void> EventLog::AppendRejection(Seconds time, const Proposal& proposal, const Error& error) {
-  json body = DegreesOf(ToHalfDiff(proposal.directions));
-  body["candidate"] = proposal.candidate;
-  body["reason"] = proposal.reason;
-  body["message"] = error.message;
+Result<void> EventLog::AppendRejection(Seconds time, const RejectionNote& note) {
+  json body = DegreesOf(ToHalfDiff(note.proposal.directions));
+  body["candidate"] = note.proposal.candidate;
+  body["reason"] = note.proposal.reason;
+  body["frames_wanted"] = note.proposal.frames;
+  body["message"] = note.error.message;
+  body["after"] = ToJson(note.after);
   return impl_->Write([&] { impl_->InsertEvent(time, "pose_rejected", body); });
+}
+
+Result<void> EventLog::AppendResume(Seconds time, const ResumeNote& note) {
+  return impl_->Write([&] {
+    impl_->InsertEvent(time, "session_resumed",
+                       {{"utc", UtcNow()},
+                        {"gonio_version", note.gonio_version},
+                        {"poses", note.poses},
+                        {"changes", note.changes},
+                        {"now", note.now}});
+  });
+}
+
+Result<void> EventLog::AppendReference(Seconds time, const ReferenceNote& note) {
+  const auto rgb = [](const Rgb& v) { return json{v[0], v[1], v[2]}; };
+  return impl_->Write([&] {
+    impl_->InsertEvent(time, "reference",
+                       {{"pose", note.pose},
+                        {"f_r_before", rgb(note.before.f_r)},
+                        {"f_r_now", rgb(note.now.f_r)},
+                        {"sigma_now", rgb(note.now.sigma)},
+                        {"change", note.change},
+                        {"sigma_change", note.sigma_change}});
+  });
 }
 
 Result<void> EventLog::AppendError(Seconds time, const Error& error) {

@@ -34,6 +34,7 @@ struct SessionInfo {
   std::uint64_t seed = 0;
   int max_poses = 0;  // in place of the plan's; 0: the plan's
   std::string rig_name;
+  std::string rig_path;   // absolute; empty in older sessions
   std::string rig_text;   // the rig file as it was read
   std::string plan_path;  // absolute: prior files named in a plan stand beside it
   std::string plan_text;  // the plan file as it was read
@@ -52,6 +53,31 @@ struct PoseNote {
   int pose = 0;  // 1, 2, ... in the order measured
   Proposal proposal;
   std::optional<double> predicted_error;  // the planner's, from the poses before this one
+  MeasurerState after;
+};
+
+// A pose that was refused.
+struct RejectionNote {
+  Proposal proposal;
+  Error error;
+  MeasurerState after;
+};
+
+// A session goes on in another process.
+struct ResumeNote {
+  std::string gonio_version;
+  int poses = 0;                     // measured before
+  std::vector<std::string> changes;  // what the user accepted, a line each; empty: all is as it was
+  std::map<std::string, std::string> now;  // what of `meta` is another from now on
+};
+
+// The last measured pose, measured again after a resume.
+struct ReferenceNote {
+  int pose = 0;
+  BrdfSample before;
+  BrdfSample now;
+  double change = 0;        // relative, of the best channel's f_r
+  double sigma_change = 0;  // of its noise
 };
 
 // How a session ended.
@@ -79,10 +105,15 @@ class EventLog {
  public:
   // Makes DIR, which must not exist, and the file in it. Throws ConfigError "DIR: exists already;
   // ..." or std::runtime_error "DIR/session.sqlite: cannot write: ...".
+  // Until it is destroyed no other process can open the session to write.
   static EventLog Create(const std::filesystem::path& dir, SessionInfo info);
 
   EventLog(EventLog&&) noexcept;
   EventLog& operator=(EventLog&&) noexcept;
+  // Opens a session to go on with it. Throws ConfigError: it is none, is of another format, is
+  // damaged (FindDamage in acquisition/session_check.h says how), or another process has it open.
+  static EventLog Open(const std::filesystem::path& dir);
+
   // Folds the write-ahead log into the one file.
   ~EventLog();
 
@@ -90,7 +121,9 @@ class EventLog {
   Result<void> AppendPose(const PoseNote& note, const PoseRecord& record);
   // What Reduce() made of it at `time`. Precondition: AppendPose() of the same pose.
   Result<void> AppendSamples(int pose, Seconds time, const std::vector<ReducedSample>& samples);
-  Result<void> AppendRejection(Seconds time, const Proposal& proposal, const Error& error);
+  Result<void> AppendRejection(Seconds time, const RejectionNote& note);
+  Result<void> AppendResume(Seconds time, const ResumeNote& note);
+  Result<void> AppendReference(Seconds time, const ReferenceNote& note);
   Result<void> AppendError(Seconds time, const Error& error);
   // Anything else that happened: one word and one line.
   Result<void> AppendNote(Seconds time, const std::string& kind, const std::string& message);

@@ -39,6 +39,14 @@ Statement::Statement(Database& db, const char* sql) : db_(&db) {
   statement_.reset(statement);
 }
 
+void Statement::BindRow(const Statement& row) {
+  const int columns = sqlite3_column_count(row.statement_.get());
+  for (int i = 0; i < columns; ++i) {
+    sqlite3_value* const value = sqlite3_column_value(row.statement_.get(), i);
+    if (sqlite3_bind_value(statement_.get(), i + 1, value) != SQLITE_OK) db_->Fail("write");
+  }
+}
+
 bool Statement::Step() {
   const int status = sqlite3_step(statement_.get());
   if (status == SQLITE_ROW) return true;

@@ -67,6 +67,10 @@ class Statement {
     Reset();
   }
 
+  // Every column of the row that `row` is at; then another number in the first of them.
+  void BindRow(const Statement& row);
+  void BindFirst(int number) { BindOne(1, number); }
+
   // True while there is a row. Throws Failure.
   bool Step();
   void Reset();

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/units.h"
+#include "drivers/move_time.h"
 
 namespace gonio {
 namespace {
@@ -36,6 +37,15 @@ bool AllSaturated(const std::vector<Exposure>& exposures) {
 
 }  // namespace
 
+std::vector<ImageRegion> RegionsSeen(const RigConfig& rig, const Kinematics& kinematics,
+                                     const ArmAngles& readback, const SiteMask* bad) {
+  std::vector<ImageRegion> regions =
+      RegionsOf(rig.imaging, kinematics.TrueAngles(readback), rig.camera.width, rig.camera.height,
+                rig.geometry.max_polar, rig.samples_per_image);
+  if (bad != nullptr) LeaveOut(*bad, CountsPerPixel(rig.camera.layout), &regions);
+  return regions;
+}
+
 PoseMeasurer::PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock,
                            const SiteMask* bad)
     : rig_(rig), devices_(devices), clock_(clock), bad_(bad), taker_(rig, devices), paths_(rig) {}
@@ -46,51 +56,74 @@ Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
   const auto position = ReadPositions(devices_);
   if (!position) return position.error();
   position_ = *position;
-  last_exposure_.reset();
+  state_ = {.told = position_, .exposure = {}};
   return {};
 }
 
 Result<PoseRecord> PoseMeasurer::Measure(const DirectionPair& pair,
                                          const std::optional<Rgb>& expected, std::stop_token stop,
                                          int frames) {
-  auto record = MeasureOrFail(pair, expected, stop, frames);
+  return MeasureOrStop([&] { return paths_.PlanTo(position_, pair); }, expected, std::move(stop),
+                       frames);
+}
+
+Result<PoseRecord> PoseMeasurer::MeasureAt(const ArmAngles& arms,
+                                           const std::optional<Rgb>& expected, std::stop_token stop,
+                                           int frames) {
+  return MeasureOrStop([&] { return paths_.Plan(position_, arms); }, expected, std::move(stop),
+                       frames);
+}
+
+Result<void> PoseMeasurer::Restore(const MeasurerState& state, std::stop_token stop) {
+  PoseRecord record;
+  const FindPath find = [&] { return paths_.Plan(position_, state.told); };
+  if (auto moved = Move(find, record, std::move(stop)); !moved) return moved;
+  state_.exposure = state.exposure;
+  return {};
+}
+
+Result<PoseRecord> PoseMeasurer::MeasureOrStop(const FindPath& find,
+                                               const std::optional<Rgb>& expected,
+                                               std::stop_token stop, int frames) {
+  auto record = MeasureOrFail(find, expected, stop, frames);
   // The first error is the one to report; stopping may fail for the same reason.
   if (!record && record.error().code != ErrorCode::kRefused) (void)StopAll(devices_);
   return record;
 }
 
-Result<PoseRecord> PoseMeasurer::MeasureOrFail(const DirectionPair& pair,
+Result<PoseRecord> PoseMeasurer::MeasureOrFail(const FindPath& find,
                                                const std::optional<Rgb>& expected,
                                                std::stop_token stop, int frames) {
   PoseRecord record;
   record.start = clock_.Now();
-  if (auto moved = MoveTo(pair, record, stop); !moved) return moved.error();
+  if (auto moved = Move(find, record, stop); !moved) return moved.error();
+  record.regions = RegionsSeen(rig_, paths_.kinematics(), record.readback, bad_);
+  if (record.regions.empty()) {
+    return Error{ErrorCode::kRefused, "no pixel sees the sample lit and below max_polar_deg"};
+  }
   if (auto exposed = ExposeUntilUsable(expected, record, stop); !exposed) return exposed.error();
   if (auto repeated = RepeatSuited(frames, record, stop); !repeated) return repeated.error();
   record.end = clock_.Now();
   return record;
 }
 
-Result<void> PoseMeasurer::MoveTo(const DirectionPair& pair, PoseRecord& record,
-                                  std::stop_token stop) {
+Result<void> PoseMeasurer::Move(const FindPath& find, PoseRecord& record, std::stop_token stop) {
   const auto before = ReadPositions(devices_);
   if (!before) return before.error();
   position_ = *before;
-  const auto path = paths_.PlanTo(position_, pair);
+  const auto path = find();
   if (!path) return path.error();
   record.commanded = path->back();
+  for (const ArmAngles& leg : *path) {
+    for (int i = 0; i < kAxes; ++i) {
+      if (!Stays(position_[i] - leg[i], rig_.axes[i])) state_.told[i] = leg[i];
+    }
+  }
   const auto arrival = MoveAlong(rig_, devices_, clock_, *path, stop);
   if (!arrival) return arrival.error();
   position_ = record.readback = arrival->readback;
   record.move_retries = arrival->retries;
   record.move_time = arrival->still - record.start;
-  record.regions =
-      RegionsOf(rig_.imaging, paths_.kinematics().TrueAngles(record.readback), rig_.camera.width,
-                rig_.camera.height, rig_.geometry.max_polar, rig_.samples_per_image);
-  if (bad_ != nullptr) LeaveOut(*bad_, CountsPerPixel(rig_.camera.layout), &record.regions);
-  if (record.regions.empty()) {
-    return Error{ErrorCode::kRefused, "no pixel sees the sample lit and below max_polar_deg"};
-  }
   return {};
 }
 
@@ -102,7 +135,7 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
   const Rgb f_r = expected.value_or(Rgb::Constant(kUnknownReflectance));
   std::optional<Seconds> next =
       FirstExposure(CountRates(f_r, cos_theta_i, *monitor, rig_.radiometry), rig_);
-  if (!expected && last_exposure_) next = std::min(*last_exposure_, rig_.exposure.soft_limit);
+  if (!expected && state_.exposure) next = std::min(*state_.exposure, rig_.exposure.soft_limit);
 
   while (next && std::ssize(record.exposures) < rig_.exposure.max_frames) {
     if (!record.exposures.empty()) monitor = taker_.ReadMonitor();
@@ -111,12 +144,12 @@ Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected,
     next = NextExposure(record.exposures, record.regions, rig_);
   }
   if (AllSaturated(record.exposures)) {
-    last_exposure_ = rig_.camera.min_exposure;
+    state_.exposure = rig_.camera.min_exposure;
     return Error{ErrorCode::kRefused,
                  next ? fmt::format("saturated in all {} frames", record.exposures.size())
                       : "saturated at the shortest exposure"};
   }
-  if (const auto suited = Suited(record.exposures)) last_exposure_ = suited;
+  if (const auto suited = Suited(record.exposures)) state_.exposure = suited;
   return {};
 }
 

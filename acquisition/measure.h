@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <stop_token>
 #include <vector>
@@ -28,6 +29,18 @@ struct PoseRecord {
   std::vector<Exposure> exposures;
 };
 
+// What the next pose depends on beside where the encoders say the arms are.
+struct MeasurerState {
+  // What each axis was last told: one that is near enough to its target is told nothing.
+  ArmAngles told{};
+  // That suited the last pose: the first one of the next where nothing is expected.
+  std::optional<Seconds> exposure;
+};
+
+// The sample in the image while the encoders read so, without pixels that are bad.
+std::vector<ImageRegion> RegionsSeen(const RigConfig& rig, const Kinematics& kinematics,
+                                     const ArmAngles& readback, const SiteMask* bad);
+
 // Measures poses with opened devices. One thread.
 class PoseMeasurer {
  public:
@@ -48,13 +61,25 @@ class PoseMeasurer {
   Result<PoseRecord> Measure(const DirectionPair& pair, const std::optional<Rgb>& expected,
                              std::stop_token stop, int frames = 1);
 
+  // The same where the arms are told where to go, not what to look at: for a pose that was measured
+  // before, which others would reach differently.
+  Result<PoseRecord> MeasureAt(const ArmAngles& arms, const std::optional<Rgb>& expected,
+                               std::stop_token stop, int frames = 1);
+  // Goes where another measurer has left the arms, and measures nothing.
+  Result<void> Restore(const MeasurerState& state, std::stop_token stop);
+
+  const MeasurerState& state() const { return state_; }
   // Where the arms are, by their encoders.
   const ArmAngles& position() const { return position_; }
 
  private:
-  Result<PoseRecord> MeasureOrFail(const DirectionPair& pair, const std::optional<Rgb>& expected,
+  // Where to go from `position_`.
+  using FindPath = std::function<Result<Path>()>;
+  Result<PoseRecord> MeasureOrStop(const FindPath& find, const std::optional<Rgb>& expected,
                                    std::stop_token stop, int frames);
-  Result<void> MoveTo(const DirectionPair& pair, PoseRecord& record, std::stop_token stop);
+  Result<PoseRecord> MeasureOrFail(const FindPath& find, const std::optional<Rgb>& expected,
+                                   std::stop_token stop, int frames);
+  Result<void> Move(const FindPath& find, PoseRecord& record, std::stop_token stop);
   Result<void> ExposeUntilUsable(const std::optional<Rgb>& expected, PoseRecord& record,
                                  std::stop_token stop);
   Result<void> RepeatSuited(int frames, PoseRecord& record, std::stop_token stop);
@@ -68,7 +93,7 @@ class PoseMeasurer {
   FrameTaker taker_;
   PathPlanner paths_;
   ArmAngles position_{};
-  std::optional<Seconds> last_exposure_;  // that suited the last pose
+  MeasurerState state_;
 };
 
 }  // namespace gonio

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <limits>
 #include <utility>
 
 #include "acquisition/measure.h"
@@ -26,6 +28,23 @@ class LightOffAtEnd {
 
 const Calibrations kNoCalibrations;
 
+// Numbers of draws beyond those of any pose.
+constexpr std::uint64_t kReferenceDraws = std::uint64_t{1} << 32;
+
+// By the channel that is known best.
+ReferenceNote Compared(int pose, const BrdfSample& before, const BrdfSample& now) {
+  ReferenceNote note{.pose = pose, .before = before, .now = now};
+  double best = std::numeric_limits<double>::infinity();
+  for (int c = 0; c < kChannels; ++c) {
+    const double sigma = std::hypot(before.sigma[c], now.sigma[c]) / std::abs(before.f_r[c]);
+    if (!(sigma < best)) continue;
+    best = sigma;
+    note.change = now.f_r[c] / before.f_r[c] - 1;
+    note.sigma_change = sigma;
+  }
+  return note;
+}
+
 class Session {
  public:
   Session(const SessionParts& parts, const SessionOptions& options, const SessionStop& stop,
@@ -36,12 +55,17 @@ class Session {
         progress_(progress),
         calibrations_(parts.calibrations != nullptr ? *parts.calibrations : kNoCalibrations),
         measurer_(parts.rig, parts.devices, parts.clock,
-                  calibrations_.bad_pixels ? &calibrations_.bad_pixels->mask : nullptr) {}
+                  calibrations_.bad_pixels ? &calibrations_.bad_pixels->mask : nullptr) {
+    if (parts.so_far == nullptr) return;
+    summary_ = parts.so_far->summary;
+    turn_ = parts.so_far->turns;
+    rejections_in_a_row_ = parts.so_far->rejections_in_a_row;
+  }
 
   SessionSummary Run() {
     const LightOffAtEnd light_off(*parts_.devices.light);
-    begin_ = parts_.clock.Now();
-    if (Prepare()) {
+    if (parts_.so_far == nullptr) begin_ = parts_.clock.Now();
+    if (Prepare() && GoBack()) {
       while (Step()) {
         if (progress_) progress_(CurrentProgress());
       }
@@ -62,12 +86,44 @@ class Session {
   }
 
   bool Prepare() {
+    const Seconds before = parts_.clock.Now();
     const Result<void> prepared = measurer_.Prepare(stop_.now);
-    summary_.preparation = parts_.clock.Now() - begin_;
+    summary_.preparation += parts_.clock.Now() - before;
     if (!prepared.ok()) return EndWith(prepared.error());
     return Kept([&](EventLog& log) {
       return log.AppendNote(parts_.clock.Now(), "prepared", "every axis homed, light on");
     });
+  }
+
+  // After a resume: measures the last pose again, compares, and puts everything as it was then.
+  bool GoBack() {
+    if (parts_.so_far == nullptr) return true;
+    const SessionSoFar& so_far = *parts_.so_far;
+    if (so_far.reference && !MeasureReference(*so_far.reference)) return false;
+    if (!so_far.measurer) return true;
+    const auto restored = measurer_.Restore(*so_far.measurer, stop_.now);
+    return restored.ok() || EndWith(restored.error());
+  }
+
+  bool MeasureReference(const SessionSoFar::Reference& reference) {
+    Draw(kReferenceDraws + turn_);
+    const auto record =
+        measurer_.MeasureAt(reference.arms, reference.before.f_r, stop_.now, reference.frames);
+    if (!record) return EndWith(record.error());
+    const auto reduced = Reduce(*record, parts_.rig, calibrations_);
+    if (!reduced) return EndWith(reduced.error());
+    const ReferenceNote note = Compared(reference.pose, reference.before, reduced->front().sample);
+    if (!Kept([&](EventLog& log) { return log.AppendReference(record->end, note); })) return false;
+    const double change = std::abs(note.change);
+    if (!(change > options_.max_reference_change && change > 4 * note.sigma_change)) return true;
+    return EndWith({ErrorCode::kProtocol,
+                    fmt::format("pose {} reads {:+.1f} % ({:.1f} % standard uncertainty) against "
+                                "before the interruption: something has changed",
+                                note.pose, 100 * note.change, 100 * note.sigma_change)});
+  }
+
+  void Draw(std::uint64_t number) {
+    if (parts_.draw) parts_.draw(number);
   }
 
   // One turn of the loop; false once the session is over.
@@ -78,6 +134,7 @@ class Session {
     const std::optional<Proposal> proposal = parts_.planner.Next();
     if (!proposal) return End(SessionOutcome::kComplete, parts_.planner.reason());
 
+    Draw(++turn_);
     const std::optional<Rgb> expected = parts_.planner.Predict(proposal->directions);
     Result<PoseRecord> record =
         measurer_.Measure(proposal->directions, expected, stop_.now, proposal->frames);
@@ -88,7 +145,8 @@ class Session {
 
   // Keeps a measured pose, reduces it and tells the planner, in this order.
   bool Take(const Proposal& proposal, const PoseRecord& record) {
-    const PoseNote note{pose_count() + 1, proposal, parts_.planner.PredictedError()};
+    const PoseNote note{pose_count() + 1, proposal, parts_.planner.PredictedError(),
+                        measurer_.state()};
     if (!Kept([&](EventLog& log) { return log.AppendPose(note, record); })) return false;
     const auto reduced = Reduce(record, parts_.rig, calibrations_);
     if (!reduced) return EndWith(reduced.error());
@@ -111,7 +169,7 @@ class Session {
 
   bool Reject(const Proposal& proposal, const Error& error) {
     if (!Kept([&](EventLog& log) {
-          return log.AppendRejection(parts_.clock.Now(), proposal, error);
+          return log.AppendRejection(parts_.clock.Now(), {proposal, error, measurer_.state()});
         })) {
       return false;
     }
@@ -174,6 +232,7 @@ class Session {
   const Calibrations& calibrations_;
   PoseMeasurer measurer_;
   Seconds begin_{0};
+  std::uint64_t turn_ = 0;
   int rejections_in_a_row_ = 0;
   SessionSummary summary_;
 };
@@ -184,6 +243,10 @@ void SessionOptions::Check() const {
   if (max_rejections_in_a_row < 1) {
     throw ConfigError(
         fmt::format("max_rejections_in_a_row: is {}, must be >= 1", max_rejections_in_a_row));
+  }
+  if (!(max_reference_change > 0)) {
+    throw ConfigError(
+        fmt::format("max_reference_change: is {}, must be > 0", max_reference_change));
   }
 }
 

@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <stop_token>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "acquisition/event_log.h"
+#include "acquisition/measure.h"
 #include "acquisition/rig.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
@@ -19,6 +21,9 @@ namespace gonio {
 
 struct SessionOptions {
   int max_rejections_in_a_row = 10;  // >= 1: more, and the rig is taken to be broken
+  // > 0, relative: where the last pose, measured again after a resume, differs by more than this
+  // and by more than four of its sigmas, something has changed and the session ends.
+  double max_reference_change = 0.1;
 
   // Throws ConfigError naming the option.
   void Check() const;
@@ -30,6 +35,8 @@ struct SessionStop {
   std::stop_token now;         // stop the arms at once; the pose is lost
 };
 
+struct SessionSoFar;
+
 // What a session needs; everything must outlive it.
 struct SessionParts {
   const RigConfig& rig;
@@ -38,6 +45,12 @@ struct SessionParts {
   Planner& planner;
   EventLog* log = nullptr;                     // nullptr: nothing is kept (`gonio simulate`)
   const Calibrations* calibrations = nullptr;  // nullptr: the rig's numbers are all that is known
+  // Another process began it: the planner has been told of all its poses, the clock goes on where
+  // its log ends. nullptr: it begins.
+  const SessionSoFar* so_far = nullptr;
+  // Told a number before every pose, and no number twice: a simulated rig draws its noise by it
+  // (SimDevices::draw).
+  std::function<void(std::uint64_t)> draw = {};
 };
 
 enum class SessionOutcome {
@@ -82,6 +95,22 @@ struct SessionSummary {
   std::vector<BrdfSample> Samples() const;
 };
 
+// How far an earlier process came; acquisition/session_history.h makes it of a log.
+struct SessionSoFar {
+  SessionSummary summary;
+  int turns = 0;  // poses asked for, refused ones included
+  int rejections_in_a_row = 0;
+  std::optional<MeasurerState> measurer;  // after the last turn; empty: there was none
+  // The last measured pose, to be measured again.
+  struct Reference {
+    int pose = 0;
+    ArmAngles arms{};  // MeasurerState::told after it
+    int frames = 1;
+    BrdfSample before;
+  };
+  std::optional<Reference> reference;
+};
+
 // Runs a session on opened devices. Blocks until it ends; ends for every reason with the light off,
 // and for every reason but kComplete and kStopped-after-a-pose with StopAll().
 //
@@ -93,6 +122,8 @@ struct SessionSummary {
 //      goes on; any other error ends it.
 //   4. Once the log fails, no further pose is measured and the planner learns nothing more.
 //   5. The same rig, devices, planner and clock give the same poses, with or without a log.
+//   6. A session that was killed and goes on makes the same choices as one that was not, given the
+//      same observations.
 //
 // One thread.
 SessionSummary RunSession(const SessionParts& parts, const SessionOptions& options,

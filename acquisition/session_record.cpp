@@ -7,37 +7,14 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "acquisition/event_log_schema.h"
 #include "acquisition/event_log_sqlite.h"
+#include "acquisition/session_format.h"
 #include "core/units.h"
 
 namespace gonio {
 namespace {
 
 using nlohmann::json;
-
-std::int64_t Pragma(sqlite::Database& db, const char* name) {
-  sqlite::Statement statement(db, fmt::format("PRAGMA {}", name).c_str());
-  return statement.Step() ? statement.Integer(0) : 0;
-}
-
-// Returns the version.
-std::int64_t CheckFormat(sqlite::Database& db) {
-  const std::string file = db.file().string();
-  if (Pragma(db, "application_id") != kSessionApplicationId) {
-    throw ConfigError(file + ": is not a session: some other program made this database");
-  }
-  const std::int64_t version = Pragma(db, "user_version");
-  if (version < kOldestSessionFormat || version > kSessionFormat) {
-    throw ConfigError(fmt::format("{}: has session format {}, this program reads formats {} to {}",
-                                  file, version, kOldestSessionFormat, kSessionFormat));
-  }
-  sqlite::Statement check(db, "PRAGMA quick_check(1)");
-  if (!check.Step() || check.Text(0) != "ok") {
-    throw ConfigError(fmt::format("{}: is damaged: {}", file, check.Text(0)));
-  }
-  return version;
-}
 
 template <typename Number>
 Number NumberOf(const std::string& text) {
@@ -53,27 +30,49 @@ std::map<std::string, std::string> TextsOf(const std::string& text) {
   return texts;
 }
 
+using Meta = std::map<std::string, std::string>;
+
+void Take(const Meta& meta, const char* key, std::string* text) {
+  if (const auto found = meta.find(key); found != meta.end()) *text = found->second;
+}
+
+template <typename Number>
+void Take(const Meta& meta, const char* key, Number* number) {
+  if (const auto found = meta.find(key); found != meta.end()) {
+    *number = NumberOf<Number>(found->second);
+  }
+}
+
+void Take(const Meta& meta, const char* key, std::map<std::string, std::string>* texts) {
+  if (const auto found = meta.find(key); found != meta.end()) *texts = TextsOf(found->second);
+}
+
+// What `meta` has takes the place of what was there; older formats have less.
+void TakeAll(const Meta& meta, SessionInfo* info) {
+  Take(meta, "gonio_version", &info->gonio_version);
+  Take(meta, "created_utc", &info->created_utc);
+  Take(meta, "seed", &info->seed);
+  Take(meta, "max_poses", &info->max_poses);
+  Take(meta, "rig_name", &info->rig_name);
+  Take(meta, "rig_path", &info->rig_path);
+  Take(meta, "rig_text", &info->rig_text);
+  Take(meta, "plan_path", &info->plan_path);
+  Take(meta, "plan_text", &info->plan_text);
+  Take(meta, "prior_name", &info->prior_name);
+  Take(meta, "prior_spec", &info->prior_spec);
+  Take(meta, "prior_sha256", &info->prior_sha256);
+  Take(meta, "material_path", &info->material_path);
+  Take(meta, "material_sha256", &info->material_sha256);
+  Take(meta, "devices", &info->devices);
+  Take(meta, "calibrations", &info->calibrations);
+}
+
 SessionInfo ReadInfo(sqlite::Database& db) {
-  std::map<std::string, std::string> meta;
+  Meta meta;
   sqlite::Statement rows(db, "SELECT key, value FROM meta");
   while (rows.Step()) meta[rows.Text(0)] = rows.Text(1);
   SessionInfo info;
-  info.gonio_version = meta["gonio_version"];
-  info.created_utc = meta["created_utc"];
-  info.seed = NumberOf<std::uint64_t>(meta["seed"]);
-  info.max_poses = NumberOf<int>(meta["max_poses"]);
-  info.rig_name = meta["rig_name"];
-  info.rig_text = meta["rig_text"];
-  info.plan_path = meta["plan_path"];
-  info.plan_text = meta["plan_text"];
-  info.prior_name = meta["prior_name"];
-  info.prior_spec = meta["prior_spec"];
-  info.prior_sha256 = meta["prior_sha256"];
-  info.material_path = meta["material_path"];
-  info.material_sha256 = meta["material_sha256"];
-  info.devices = TextsOf(meta["devices"]);
-  // Older formats know none.
-  if (meta.contains("calibrations")) info.calibrations = TextsOf(meta["calibrations"]);
+  TakeAll(meta, &info);
   return info;
 }
 
@@ -118,7 +117,8 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) 
       " (SELECT total(exposure_s) FROM exposures e WHERE e.pose = p.pose),"
       " s.wi_x, s.wi_y, s.wi_z, s.wo_x, s.wo_y, s.wo_z, s.f_r_red, s.f_r_green, s.f_r_blue,"
       " s.sigma_red, s.sigma_green, s.sigma_blue, " +
-      std::string(systematic) + " FROM poses p JOIN samples s USING (pose) ORDER BY s.rowid";
+      std::string(systematic) +
+      " FROM poses p LEFT JOIN samples s USING (pose) ORDER BY p.pose, s.part";
   sqlite::Statement row(db, select.c_str());
   std::vector<MeasuredPose> poses;
   while (row.Step()) {
@@ -144,6 +144,7 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) 
       pose.readback[i] = RadFromDeg(row.Real(17 + i));
     }
     pose.exposed = Seconds(row.Real(21));
+    if (row.IsNull(kFirstSampleColumn)) continue;  // killed before it was reduced
     pose.samples.push_back(ReadSample(row, kFirstSampleColumn));
     pose.systematic.push_back(ReadSystematic(row, kFirstSystematicColumn));
   }
@@ -158,6 +159,31 @@ std::vector<SessionEvent> ReadEvents(sqlite::Database& db) {
         {static_cast<int>(row.Integer(0)), Seconds(row.Real(1)), row.Text(2), row.Text(3)});
   }
   return events;
+}
+
+// Poses are numbered without gaps, and all but the last have samples.
+void CheckWhole(const std::filesystem::path& dir, const std::vector<MeasuredPose>& poses) {
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    const int expected = static_cast<int>(i) + 1;
+    const bool missing = poses[i].pose != expected;
+    if (!missing && (!poses[i].samples.empty() || i + 1 == poses.size())) continue;
+    throw ConfigError(fmt::format("{}: is damaged: pose {} {}", (dir / kSessionFile).string(),
+                                  expected, missing ? "is missing" : "has no samples"));
+  }
+}
+
+// What the tables have rounded, to the last bit.
+void TakeExactAngles(const std::vector<SessionEvent>& events, std::vector<MeasuredPose>* poses) {
+  for (const SessionEvent& event : events) {
+    if (event.kind != "pose_measured") continue;
+    const json body = json::parse(event.body);
+    const std::size_t i = body.at("pose").get<std::size_t>() - 1;
+    if (i >= poses->size() || !body.contains("commanded_rad")) continue;
+    MeasuredPose& pose = (*poses)[i];
+    pose.commanded = body["commanded_rad"].get<ArmAngles>();
+    pose.readback = body["readback_rad"].get<ArmAngles>();
+    pose.frames_wanted = body.value("frames_wanted", 1);
+  }
 }
 
 std::optional<SessionEnd> FindEnd(const std::vector<SessionEvent>& events) {
@@ -183,6 +209,20 @@ std::vector<BrdfSample> SessionRecord::Samples() const {
   return samples;
 }
 
+SessionInfo InfoAfter(const SessionInfo& info, const std::string& body) {
+  SessionInfo after = info;
+  TakeAll(json::parse(body).at("now").get<Meta>(), &after);
+  return after;
+}
+
+SessionInfo LatestInfo(const SessionRecord& record) {
+  SessionInfo info = record.info;
+  for (const SessionEvent& event : record.events) {
+    if (event.kind == "session_resumed") info = InfoAfter(info, event.body);
+  }
+  return info;
+}
+
 bool IsSession(const std::filesystem::path& path) {
   std::error_code ignored;
   return std::filesystem::is_regular_file(path / kSessionFile, ignored);
@@ -202,12 +242,18 @@ SessionRecord ReadSession(const std::filesystem::path& dir) {
   try {
     sqlite::Database db(dir / kSessionFile, SQLITE_OPEN_READONLY);
     sqlite::Transaction transaction(db, "BEGIN");  // one moment of a session that may be running
-    const std::int64_t version = CheckFormat(db);
+    const std::int64_t version = CheckSessionFormat(db);
     SessionRecord record;
     record.info = ReadInfo(db);
     record.poses = ReadPoses(db, version);
     record.events = ReadEvents(db);
     record.end = FindEnd(record.events);
+    CheckWhole(dir, record.poses);
+    TakeExactAngles(record.events, &record.poses);
+    if (!record.poses.empty() && record.poses.back().samples.empty()) {
+      record.unreduced = std::move(record.poses.back());
+      record.poses.pop_back();
+    }
     return record;
   } catch (const sqlite::Failure& e) {
     throw ConfigError(e.what());

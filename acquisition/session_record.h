@@ -19,17 +19,18 @@ struct MeasuredPose {
   std::string reason;
   std::optional<double> score;  // what the planner maximised; empty if it was not finite
   HalfDiff planned;
-  // As they were when the planner learned of them, to the last bit; not empty. The first is that of
-  // the pose, the others are what else its image shows.
+  // As they were when the planner learned of them, to the last bit; empty only in `unreduced`. The
+  // first is that of the pose, the others are what else its image shows.
   std::vector<BrdfSample> samples;
   // Of each sample: standard uncertainty that all samples share, 1/sr; BrdfSample::sigma is what
   // they do not. Zero in formats before the third, infinite where nothing was measured.
   std::vector<Rgb> systematic;
   int frames = 0;
+  int frames_wanted = 1;  // usable ones, by the planner
   int move_retries = 0;
-  ArmAngles commanded{};  // to the log's rounding, as the next
-  ArmAngles readback{};   // encoders, after settling
-  Seconds start{0};       // session clock
+  ArmAngles commanded{};
+  ArmAngles readback{};  // encoders, after settling
+  Seconds start{0};      // session clock
   Seconds move_time{0};
   Seconds end{0};
   Seconds exposed{0};                     // sum of the frames' exposures, without read-out
@@ -45,12 +46,18 @@ struct SessionEvent {
 
 struct SessionRecord {
   SessionInfo info;
-  std::vector<MeasuredPose> poses;   // those with a sample, in order
-  std::vector<SessionEvent> events;  // in order
-  std::optional<SessionEnd> end;     // empty: still running, or killed
+  std::vector<MeasuredPose> poses;        // those with a sample, in order
+  std::optional<MeasuredPose> unreduced;  // the last pose, if only its frames were kept
+  std::vector<SessionEvent> events;       // in order
+  std::optional<SessionEnd> end;          // empty: still running, or killed
 
   std::vector<BrdfSample> Samples() const;
 };
+
+// `info` with what a resume has changed; `body`: of its event.
+SessionInfo InfoAfter(const SessionInfo& info, const std::string& body);
+// After all of them.
+SessionInfo LatestInfo(const SessionRecord& record);
 
 // Whether `path` is a directory that holds a session's file.
 bool IsSession(const std::filesystem::path& path);

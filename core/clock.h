@@ -11,8 +11,8 @@ namespace gonio {
 
 using Seconds = std::chrono::duration<double>;
 
-// Monotonic time since the clock was made. One thread at a time, except that a stop_token may be
-// triggered from anywhere.
+// Monotonic time, by default since the clock was made. One thread at a time, except that a
+// stop_token may be triggered from anywhere.
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -25,25 +25,30 @@ class Clock {
 class SystemClock final : public Clock {
  public:
   // So many seconds of it pass in one of the machine's: > 1 for doubles in a hurry.
-  explicit SystemClock(double rate = 1) : rate_(rate) {}
-  Seconds Now() const override { return rate_ * (std::chrono::steady_clock::now() - start_); }
+  // Begins at `begin`: a session that is resumed goes on where its log ends.
+  explicit SystemClock(double rate = 1, Seconds begin = Seconds(0)) : rate_(rate), begin_(begin) {}
+  Seconds Now() const override {
+    return begin_ + rate_ * (std::chrono::steady_clock::now() - start_);
+  }
   void SleepFor(Seconds duration, std::stop_token stop = {}) override;
 
  private:
   const double rate_;
+  const Seconds begin_;
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
 // Moves only when told to or slept on. Any thread: simulated machines look at it from their own.
 class ManualClock final : public Clock {
  public:
+  explicit ManualClock(Seconds begin = Seconds(0)) : now_(begin.count()) {}
   Seconds Now() const override { return Seconds(now_.load()); }
   void SleepFor(Seconds duration, std::stop_token stop = {}) override {
     if (!stop.stop_requested() && duration > Seconds::zero()) now_ += duration.count();
   }
 
  private:
-  std::atomic<double> now_{0};  // s
+  std::atomic<double> now_;  // s
 };
 
 }  // namespace gonio

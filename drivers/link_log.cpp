@@ -95,7 +95,7 @@ void LinkLog::Add(const std::string& link, const char* way, const std::string& w
 
 void LinkLog::WriteTo(const std::filesystem::path& file) {
   const std::lock_guard lock(mutex_);
-  file_.open(file);
+  file_.open(file, std::ios::app);  // a session that goes on has one already
   for (const std::string& line : lines_) file_ << line << '\n';
   file_ << std::flush;
 }

@@ -113,9 +113,8 @@ void HierarchicalPlanner::Observe(const Proposal& proposal, const BrdfSample&) {
 }
 
 void HierarchicalPlanner::Reject(const Proposal& proposal) {
-  GONIO_CHECK(current_ && current_->candidate == proposal.candidate,
-              "answers must be to the last proposal");
   std::erase(left_, proposal.candidate);
+  for (std::vector<int>& level : levels_) std::erase(level, proposal.candidate);
   current_.reset();
 }
 

@@ -116,8 +116,6 @@ void InformationPlanner::Keep(const BrdfSample& sample) {
 }
 
 void InformationPlanner::Reject(const Proposal& proposal) {
-  GONIO_CHECK(current_ && current_->candidate == proposal.candidate,
-              "answers must be to the last proposal");
   spent_[proposal.candidate] = true;
   current_.reset();
 }

@@ -143,22 +143,12 @@ std::vector<int> ListedOrder(const Plan& plan, const std::vector<Candidate>& can
                                           : PivotedOrder(candidates, *inputs.pca, plan.max_poses);
 }
 
-std::vector<Candidate> OfferedBy(const Plan& plan, const CandidateOptions& options,
-                                 const Reachable& reachable) {
-  std::vector<Candidate> candidates = MakeCandidates(options, reachable);
-  if (candidates.empty()) {
-    throw ConfigError("plan " + plan.name +
-                      ": the rig cannot reach any of its poses: check the rig's axis limits, "
-                      "geometry.max_polar_deg and geometry.min_separation_deg");
-  }
-  return candidates;
+// Where a process was learned it plans.
+bool PlansByProcess(const Plan& plan) {
+  return plan.kind == PlannerKind::kInformation && plan.prior.process;
 }
 
-// Where a process was learned it plans: it sees all three angles, so cells get several phi_d.
 std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInputs& inputs) {
-  CandidateOptions candidates = plan.candidates;
-  candidates.phi_choices = kProcessPhis;
-  candidates.phi_span = std::max(candidates.phi_span, kProcessPhiSpan);
   ProcessPlannerOptions options;
   options.max_poses = plan.max_poses;
   options.target_error = plan.information.target_error;
@@ -169,7 +159,7 @@ std::unique_ptr<Planner> MakeProcessPlanner(const Plan& plan, const PlannerInput
   options.gain.noise = inputs.noise;
   options.gain.parts = inputs.parts;
   options.prior = plan.prior.process;
-  return std::make_unique<ProcessPlanner>(OfferedBy(plan, candidates, inputs.reachable), options,
+  return std::make_unique<ProcessPlanner>(CandidatesOf(plan, inputs.reachable), options,
                                           plan.mind_time ? inputs.costs : SessionCosts{});
 }
 
@@ -229,11 +219,24 @@ Plan LoadPlan(const std::filesystem::path& path) {
   return ParsePlan(ReadTextFile(path), path.string());
 }
 
-std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inputs) {
-  if (plan.kind == PlannerKind::kInformation && plan.prior.process) {
-    return MakeProcessPlanner(plan, inputs);
+std::vector<Candidate> CandidatesOf(const Plan& plan, const Reachable& reachable) {
+  CandidateOptions options = plan.candidates;
+  if (PlansByProcess(plan)) {  // it sees all three angles, so cells get several phi_d
+    options.phi_choices = kProcessPhis;
+    options.phi_span = std::max(options.phi_span, kProcessPhiSpan);
   }
-  std::vector<Candidate> candidates = OfferedBy(plan, plan.candidates, inputs.reachable);
+  std::vector<Candidate> candidates = MakeCandidates(options, reachable);
+  if (candidates.empty()) {
+    throw ConfigError("plan " + plan.name +
+                      ": the rig cannot reach any of its poses: check the rig's axis limits, "
+                      "geometry.max_polar_deg and geometry.min_separation_deg");
+  }
+  return candidates;
+}
+
+std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inputs) {
+  if (PlansByProcess(plan)) return MakeProcessPlanner(plan, inputs);
+  std::vector<Candidate> candidates = CandidatesOf(plan, inputs.reachable);
   switch (plan.kind) {
     case PlannerKind::kInformation: {
       InformationOptions options = plan.information;

@@ -70,6 +70,10 @@ struct PlannerInputs {
   std::uint64_t seed = 0;                         // kRandom
 };
 
+// What such a planner chooses from: Proposal::candidate counts these. Throws ConfigError if there
+// are none.
+std::vector<Candidate> CandidatesOf(const Plan& plan, const Reachable& reachable);
+
 // The planner of a plan over the candidates that are reachable. Throws ConfigError if there are
 // none, or if the plan needs something that is not there.
 std::unique_ptr<Planner> MakePlanner(const Plan& plan, const PlannerInputs& inputs);

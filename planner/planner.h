@@ -49,6 +49,8 @@ using ExpectedNoise = std::function<Rgb(const DirectionPair& pair, const Rgb& f_
 //   3. A rejected pose is never proposed again.
 //   4. The same candidates, seed and observations give the same proposals.
 //   5. Next() returns nullopt after finitely many steps; reason() then says why.
+//   6. Observe() and Reject() may tell of any candidate, as a resumed session with another plan
+//      does: it counts as if it had been proposed.
 //
 // One thread.
 class Planner {

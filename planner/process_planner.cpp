@@ -234,8 +234,9 @@ void ProcessPlanner::AlsoObserve(const BrdfSample& sample) {
 }
 
 void ProcessPlanner::Reject(const Proposal& proposal) {
-  GONIO_CHECK(current_ && current_->candidate == proposal.candidate,
-              "answers must be to the last proposal");
+  // Of a pose that was not asked for: the last proposal is still the next, unless it was that one.
+  std::erase_if(batch_, [&](const Proposal& p) { return p.candidate == proposal.candidate; });
+  if (current_ && current_->candidate != proposal.candidate) batch_.push_front(*current_);
   spent_[proposal.candidate] = true;
   current_.reset();
 }

@@ -55,9 +55,13 @@ std::vector<int> CoarseRaster(const std::vector<Candidate>& candidates,
 
 SequencePlanner::SequencePlanner(std::vector<Candidate> candidates, std::vector<int> order,
                                  std::string label)
-    : candidates_(std::move(candidates)), order_(std::move(order)), label_(std::move(label)) {}
+    : candidates_(std::move(candidates)),
+      order_(std::move(order)),
+      spent_(candidates_.size(), false),
+      label_(std::move(label)) {}
 
 std::optional<Proposal> SequencePlanner::Next() {
+  while (next_ < order_.size() && spent_[order_[next_]]) ++next_;
   if (next_ >= order_.size()) return std::nullopt;
   const int candidate = order_[next_];
   return Proposal{.directions = candidates_[candidate].directions,
@@ -68,11 +72,7 @@ std::optional<Proposal> SequencePlanner::Next() {
 
 void SequencePlanner::Observe(const Proposal& proposal, const BrdfSample&) { Reject(proposal); }
 
-void SequencePlanner::Reject(const Proposal& proposal) {
-  GONIO_CHECK(next_ < order_.size() && order_[next_] == proposal.candidate,
-              "answers must be to the last proposal");
-  ++next_;
-}
+void SequencePlanner::Reject(const Proposal& proposal) { spent_[proposal.candidate] = true; }
 
 std::vector<int> RasterOrder(const std::vector<Candidate>& candidates,
                              const CandidateOptions& raster, const RasterOptions& options) {

@@ -27,6 +27,7 @@ class SequencePlanner final : public Planner {
  private:
   std::vector<Candidate> candidates_;
   std::vector<int> order_;
+  std::vector<bool> spent_;  // measured or rejected
   std::string label_;
   std::size_t next_ = 0;
 };

@@ -231,13 +231,11 @@ void SliceRefinementPlanner::Observe(const Proposal& proposal, const BrdfSample&
     reading.noise[c] = sample.sigma[c] / above;
   }
   readings_[proposal.candidate] = reading;
-  if (chosen_.kind == kAlongThetaD)
+  if (chosen_.candidate == proposal.candidate && chosen_.kind == kAlongThetaD)
     StartSlice(kAlongThetaH, candidates_[proposal.candidate].column);
 }
 
 void SliceRefinementPlanner::Reject(const Proposal& proposal) {
-  GONIO_CHECK(current_ && current_->candidate == proposal.candidate,
-              "answers must be to the last proposal");
   spent_[proposal.candidate] = true;
   current_.reset();
 }

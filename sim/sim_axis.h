@@ -37,6 +37,9 @@ class SimAxis final : public Axis {
   Result<void> Stop() override;
   Result<void> EmergencyStop() override { return Stop(); }
 
+  // Draws from `random` from now on.
+  void Reseed(Random random) { random_ = random; }
+
   // Faults. Any thread.
   void PullPlug();   // the link is gone; the motor brakes
   void LosePower();  // the motor brakes and the position is forgotten

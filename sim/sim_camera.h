@@ -29,6 +29,8 @@ class SimCamera final : public Camera {
   const std::string& identity() const override { return identity_; }
   const CameraInfo& info() const override { return info_; }
   Result<Frame> Capture(Seconds exposure, std::stop_token stop) override;
+  // Noise comes from `random` from now on.
+  void Reseed(Random random) { imager_.Reseed(random); }
 
  private:
   SimReadout Readout(Seconds exposure) const;

@@ -41,6 +41,9 @@ class SimImager {
   SimImage See(const SimView& view, const Brdf& sample);
   Frame Read(const SimImage& electrons, const SimReadout& readout);
 
+  // The temporal noise comes from `random` from now on.
+  void Reseed(Random random) { sensor_.Reseed(random); }
+
  private:
   SimOptics optics_;
   SimSensor sensor_;

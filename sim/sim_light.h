@@ -63,6 +63,8 @@ class SimMonitor final : public Monitor {
   const std::string& name() const override { return name_; }
   const std::string& identity() const override { return identity_; }
   Result<double> Read() override;
+  // Draws from `random` from now on.
+  void Reseed(Random random) { random_ = random; }
 
  private:
   const std::string name_;

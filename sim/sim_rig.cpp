@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/sim_rig.h"
 
+#include <utility>
+
 #include "sim/sim_axis.h"
 
 namespace gonio {
@@ -24,6 +26,7 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
                           Clock& clock, std::uint64_t seed) {
   SimDevices devices;
   devices.lamp = MakeSimLamp(truth, seed);
+  std::array<SimAxis*, 4> axes{};
   Random start(seed, kStart);
   for (int i = 0; i < 4; ++i) {
     const AxisLimits& limits = setup.axes[i];
@@ -38,16 +41,26 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
     // Marks at opposite ends, so that the homed arms are far apart.
     options.reference = i < 2 ? limits.min_position : limits.max_position;
     options.home_limit = setup.home_limit;
-    devices.axes[i] = std::make_unique<SimAxis>(kNames[i], limits, options, devices.motors[i],
-                                                clock, Random(seed, kAxis + i));
+    auto axis = std::make_unique<SimAxis>(kNames[i], limits, options, devices.motors[i], clock,
+                                          Random(seed, kAxis + i));
+    axes[i] = axis.get();
+    devices.axes[i] = std::move(axis);
   }
-  devices.camera = std::make_unique<SimCamera>(
+  auto camera = std::make_unique<SimCamera>(
       "camera", setup.camera, truth, sample,
       std::make_unique<MotorScene>(devices.motors, devices.lamp, truth.axis_offset), clock,
       Random(seed, kCameraStream), setup.imaging, setup.gain_db);
   devices.light = std::make_unique<SimLight>("light", devices.lamp);
-  devices.monitor = std::make_unique<SimMonitor>("monitor", devices.lamp, truth.monitor_noise,
-                                                 clock, Random(seed, kMonitorStream));
+  auto monitor = std::make_unique<SimMonitor>("monitor", devices.lamp, truth.monitor_noise, clock,
+                                              Random(seed, kMonitorStream));
+  devices.draw = [axes, seed, c = camera.get(), m = monitor.get()](std::uint64_t number) {
+    const std::uint64_t drawn = Random::Hash(seed, number);
+    for (int i = 0; i < 4; ++i) axes[i]->Reseed(Random(drawn, kAxis + i));
+    c->Reseed(Random(drawn, kCameraStream));
+    m->Reseed(Random(drawn, kMonitorStream));
+  };
+  devices.camera = std::move(camera);
+  devices.monitor = std::move(monitor);
   return devices;
 }
 

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 #include "brdf/imaging.h"
@@ -33,6 +34,10 @@ struct SimDevices {
   std::unique_ptr<Camera> camera;
   std::unique_ptr<Light> light;
   std::unique_ptr<Monitor> monitor;
+
+  // From now on all noise is that of this number, whatever was drawn before: called before each
+  // pose, it makes the observations of a session that is resumed those of one that never stopped.
+  std::function<void(std::uint64_t)> draw;
 
   SimMotors motors;
   std::shared_ptr<SimLamp> lamp;

@@ -45,6 +45,9 @@ class SimSensor {
   // the region lies on the sensor and is the image's. Frame::start is left to the caller.
   Frame Read(const SimImage& electrons, const SimReadout& readout);
 
+  // The temporal noise comes from `random` from now on.
+  void Reseed(Random random) { random_ = random; }
+
   // The readout with its region filled in.
   SimReadout Whole(SimReadout readout) const;
 

@@ -50,7 +50,11 @@ void CheckCalibratedCamera(const RigFile& file, const Camera& camera) {
 
 RigFile LoadRig(const std::filesystem::path& path, CalibrationUse use,
                 const std::filesystem::path& folder) {
-  const std::string text = ReadTextFile(path);
+  return ParseRig(ReadTextFile(path), path, use, folder);
+}
+
+RigFile ParseRig(const std::string& text, const std::filesystem::path& path, CalibrationUse use,
+                 const std::filesystem::path& folder) {
   const ConfigNode root = ConfigNode::Parse(text, path.string());
   RigFile file;
   file.config = ReadRig(root, text);
@@ -62,9 +66,10 @@ RigFile LoadRig(const std::filesystem::path& path, CalibrationUse use,
   return file;
 }
 
-OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t seed) {
+OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t seed,
+                        Seconds begin) {
   OpenedRig rig;
-  rig.clock = std::make_unique<ManualClock>();
+  rig.clock = std::make_unique<ManualClock>(begin);
   const SimSetup setup{.axes = file.config.axes,
                        .home_limit = file.config.motion.home_limit,
                        .camera = file.config.camera,
@@ -74,6 +79,7 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
                  .camera = std::move(sim.camera),
                  .light = std::move(sim.light),
                  .monitor = std::move(sim.monitor)};
+  rig.draw = std::move(sim.draw);
   CheckCalibratedCamera(file, *rig.devices.camera);
   return rig;
 }
@@ -175,10 +181,14 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
   GONIO_CHECK(sample != nullptr, "a simulated camera needs something to look at");
   std::array<Axis*, kAxes> axes{};
   for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
-  rig.devices.camera = std::make_unique<SimCamera>(
+  auto camera = std::make_unique<SimCamera>(
       "camera", file.config.camera, file.simulation, *sample,
       std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
       *rig.clock, Random(seed, kCameraStream), file.built);
+  rig.draw = [seed, c = camera.get()](std::uint64_t number) {
+    c->Reseed(Random(Random::Hash(seed, number), kCameraStream));
+  };
+  rig.devices.camera = std::move(camera);
   return rig;
 }
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "acquisition/radiometry/sensor.h"
@@ -33,18 +34,25 @@ enum class CalibrationUse { kUsed, kIgnored };
 // rig file) has them. Throws ConfigError naming file, line and key.
 RigFile LoadRig(const std::filesystem::path& path, CalibrationUse use = CalibrationUse::kUsed,
                 const std::filesystem::path& folder = {});
+// The same of a text that was read from `path`, or was once.
+RigFile ParseRig(const std::string& text, const std::filesystem::path& path, CalibrationUse use,
+                 const std::filesystem::path& folder = {});
 
 // Devices with the clock they live by. Destroying it stops the axes and switches the light off.
 struct OpenedRig {
   std::unique_ptr<Clock> clock;    // virtual on a simulated rig
   std::shared_ptr<LinkLog> wires;  // of the real devices; null on a simulated rig
   Devices devices;
+  // SimDevices::draw, of what is simulated; empty: nothing is.
+  std::function<void(std::uint64_t)> draw;
   const GenicamCamera* genicam = nullptr;  // devices.camera, if it is one
 };
 
 // A simulated rig with the limits, speeds and noise of this one, be it real or not. It looks at
 // `sample`, which must outlive it; `seed` is that of its noise.
-OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t seed);
+// Its clock begins at `begin`.
+OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t seed,
+                        Seconds begin = Seconds(0));
 
 // The real devices of a rig of kind `real`, which live by `clock`; a camera that is not looks at
 // `sample`, as above, and only then is there need of one. Opens everything or nothing, and moves

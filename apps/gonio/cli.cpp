@@ -24,7 +24,8 @@ Action SetUpRun(CLI::App& app) {
       "--material", o->material,
       "What a simulated camera sees: a MERL .binary, RGL .bsdf or material .yaml; with a "
       "real camera, something to compare with");
-  app.add_option("--out", o->out, "Directory to make for the session; must not exist")->required();
+  CLI::Option* const out =
+      app.add_option("--out", o->out, "Directory to make for the session; must not exist");
   app.add_option("--max-poses", o->max_poses, "Budget of poses (default: the plan's)")
       ->check(CLI::PositiveNumber);
   app.add_option("--seed", o->seed, "Of the planner and of the simulated noise")
@@ -33,6 +34,19 @@ Action SetUpRun(CLI::App& app) {
   app.add_option("--calibration", o->calibration,
                  "Folder of calibration files (default: the rig's calibration.folder)");
   app.add_flag("--quiet", o->quiet, "No progress, only the summary");
+  CLI::Option* const resume =
+      app.add_option("--resume", o->resume, "Go on with this session; everything else is its own")
+          ->excludes(out);
+  for (const char* own : {"--rig", "--plan", "--material", "--seed", "--prior", "--calibration"}) {
+    resume->excludes(app.get_option(own));
+  }
+  app.add_flag("--accept-changed", o->accept_changed,
+               "Go on although files, devices or decisions are not as they were")
+      ->needs(resume);
+  app.add_option("--max-reference-change-percent", o->max_reference_change_percent,
+                 "Of the last pose, measured again after a resume; more ends the session")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   return [o] { return RunCommand(*o); };
 }
 
@@ -181,6 +195,32 @@ Action SetUpSimulate(CLI::App& app) {
   return [o] { return SimulateCommand(*o); };
 }
 
+Action SetUpRescue(CLI::App& app) {
+  auto o = std::make_shared<RescueOptions>();
+  app.add_option("session", o->session, "A session directory")->required();
+  app.add_option("--out", o->out,
+                 "Directory to make of what is whole (default: only look for damage)");
+  return [o] { return RescueCommand(*o); };
+}
+
+Action SetUpReplay(CLI::App& app) {
+  auto o = std::make_shared<ReplayOptions>();
+  app.add_option("session", o->session, "A session directory")->required();
+  app.add_flag("--rereduce", o->rereduce, "Make its samples anew from its raw frames");
+  app.add_option("--calibration", o->calibration,
+                 "The same with calibration files of this folder in place of the session's")
+      ->check(CLI::ExistingDirectory);
+  app.add_flag("--refit", o->refit, "Fit its samples again, the new ones if there are any");
+  app.add_option("--plan", o->plan,
+                 "What this plan would have chosen: where the session has no reading, its estimate "
+                 "stands in");
+  app.add_option("--out", o->out, "Folder to make for samples, fit and choices");
+  app.add_option("--speed", o->speed, "Show the turns, so many times as fast as they were")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--json", o->json, "Write the numbers to this file, too (\"-\": standard output)");
+  return [o] { return ReplayCommand(*o); };
+}
+
 Action SetUpReport(CLI::App& app) {
   auto o = std::make_shared<ReportOptions>();
   app.add_option("session", o->session, "A session directory")->required();
@@ -280,6 +320,9 @@ constexpr Command kCommands[] = {
      SetUpSimDevices},
     {"check", "Which poses a rig can measure, and what keeps it from the others", SetUpCheck},
     {"doctor", "What keeps this machine from its devices, and what to do about it", SetUpDoctor},
+    {"replay", "Make a session's decisions once more from its log, and samples and fit if asked",
+     SetUpReplay},
+    {"rescue", "Look for damage in a session, and keep what is whole", SetUpRescue},
     {"report", "Show a session as one HTML page with pictures (needs gnuplot)", SetUpReport},
 };
 

@@ -34,8 +34,36 @@ struct RunOptions {
   std::string prior;                  // "none", "generic", a prior file, or empty: the plan's
   std::filesystem::path calibration;  // folder, in place of the rig's
   bool quiet = false;
+
+  // A session to go on with. All but the next two and `quiet` are then its own; those that are
+  // named here all the same are changes.
+  std::filesystem::path resume;
+  bool accept_changed = false;
+  double max_reference_change_percent = 10;
 };
 int RunCommand(const RunOptions& options);
+// Its part where `resume` is given.
+int ResumeSession(const RunOptions& options);
+
+struct RescueOptions {
+  std::filesystem::path session;
+  std::filesystem::path out;  // to make; empty: only says what is wrong
+};
+// kFailed: something is lost.
+int RescueCommand(const RescueOptions& options);
+
+struct ReplayOptions {
+  std::filesystem::path session;
+  bool rereduce = false;              // samples from the raw frames
+  std::filesystem::path calibration;  // with these files instead of the session's
+  bool refit = false;
+  std::string plan;           // another plan, to see what it would have chosen
+  std::filesystem::path out;  // folder for samples and fit; empty: none
+  double speed = 0;           // > 0: shows the turns so many times as fast as they were
+  std::string json;           // file, or "-" for standard output; empty: text only
+};
+// kFailed: the planner decides otherwise.
+int ReplayCommand(const ReplayOptions& options);
 
 struct CalibrateOptions {
   std::string step;  // "darks", "photon-transfer", "flat", "stray-light", "standard"

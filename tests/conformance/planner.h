@@ -140,6 +140,24 @@ TEST_P(PlannerConformance, EndsAfterFinitelyManyStepsAndSaysWhy) {
   EXPECT_EQ(planner().reason(), reason);
 }
 
+// Promise 6. Example failure is a planner that crosses off its last proposal, whatever was
+// measured.
+TEST_P(PlannerConformance, LearnsOfPosesItDidNotAskFor) {
+  const int last = static_cast<int>(subject_.candidates.size()) - 1;
+  std::set<int> told;
+  for (const int candidate : {last, last / 2}) {
+    const auto next = planner().Next();
+    ASSERT_TRUE(next.has_value());
+    const DirectionPair& pair = subject_.candidates[candidate].directions;
+    const Proposal other{.directions = pair, .candidate = candidate, .reason = "resumed"};
+    Answer(planner(), other, candidate == last ? 0 : 1, 2);
+    told.insert(candidate);
+  }
+  for (const Proposal& proposal : Run(planner(), 0)) {
+    EXPECT_FALSE(told.contains(proposal.candidate)) << proposal.candidate;
+  }
+}
+
 // Promise 5, MaxPoses(). Example failure is a planner that lets a rig on which every pose is
 // refused run all night.
 TEST_P(PlannerConformance, EndsWhenNothingCanBeMeasured) {

@@ -91,14 +91,20 @@ class WatchedCamera final : public Camera {
 // configs/sim-rig.yaml, opened.
 class Bench {
  public:
-  explicit Bench(std::uint64_t seed = 1) {
+  explicit Bench(std::uint64_t seed = 1) : Bench(seed, Seconds(0), false) {}
+
+ protected:
+  Bench(std::uint64_t seed, Seconds begin, bool steady) : clock(begin) {
     const std::string path = std::string(GONIO_SOURCE_DIR) + "/configs/sim-rig.yaml";
     const std::string text = ReadTextFile(path);
     const ConfigNode root = ConfigNode::Parse(text, path);
     rig = ReadRig(root, text);
     const SimSetup setup{
         .axes = rig.axes, .home_limit = rig.motion.home_limit, .camera = rig.camera};
-    SimDevices sim = MakeSimDevices(ReadSim(root), setup, sample, clock, seed);
+    SimConfig truth = ReadSim(root);
+    if (steady) truth.repeatability = truth.encoder_resolution = truth.light_drift_per_hour = 0;
+    SimDevices sim = MakeSimDevices(truth, setup, sample, clock, seed);
+    draw = sim.draw;
     motors = sim.motors;
     lamp = sim.lamp;
     auto watched = std::make_unique<WatchedCamera>(std::move(sim.camera), sim.motors, clock);
@@ -109,6 +115,7 @@ class Bench {
                .monitor = std::move(sim.monitor)};
   }
 
+ public:
   SessionSummary Run(Planner& planner, EventLog* log = nullptr, const SessionOptions& options = {},
                      const SessionStop& stop = {}, const ProgressFunction& progress = {}) {
     return RunSession({rig, devices, clock, planner, log}, options, stop, progress);
@@ -126,6 +133,14 @@ class Bench {
   std::shared_ptr<SimLamp> lamp;
   WatchedCamera* camera = nullptr;
   Devices devices;
+  std::function<void(std::uint64_t)> draw;
+};
+
+// The same with a steady light and arms that end where they are sent: homing it again, later,
+// changes nothing.
+class SteadyBench : public Bench {
+ public:
+  explicit SteadyBench(Seconds begin = Seconds(0)) : Bench(1, begin, true) {}
 };
 
 inline HalfDiff Degrees(double theta_h, double theta_d, double phi_d = 90) {

@@ -42,7 +42,7 @@ PoseRecord SomeRecord() {
 }
 
 PoseNote SomeNote(int pose) {
-  return {pose, {ToDirections(Degrees(30, 40)), 17, 2.5, "information"}, 0.125};
+  return {pose, {ToDirections(Degrees(30, 40)), 17, 2.5, "information"}, 0.125, {}};
 }
 
 BrdfSample SomeSample() {

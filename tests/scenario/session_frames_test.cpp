@@ -22,7 +22,9 @@ TEST(SessionFrames, AreThoseThatWereTaken) {
   EventLog log = EventLog::Create(dir / "s", SomeInfo());
   const auto record = measurer.Measure(PairAt(20, 30), std::nullopt, {}, 3);
   ASSERT_TRUE(record.ok()) << record.error().message;
-  ASSERT_TRUE(log.AppendPose({.pose = 1, .proposal = {}, .predicted_error = {}}, *record).ok());
+  ASSERT_TRUE(
+      log.AppendPose({.pose = 1, .proposal = {}, .predicted_error = {}, .after = {}}, *record)
+          .ok());
 
   SessionFrames frames(dir / "s");
   const std::vector<Exposure> read = frames.Of(1);

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "acquisition/session_format.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "acquisition/event_log.h"
+#include "acquisition/event_log_schema.h"
+#include "core/error.h"
+
+namespace gonio {
+namespace {
+
+std::int64_t Pragma(sqlite::Database& db, const char* name) {
+  sqlite::Statement statement(db, fmt::format("PRAGMA {}", name).c_str());
+  return statement.Step() ? statement.Integer(0) : 0;
+}
+
+// Its first transaction was not made.
+bool IsEmpty(sqlite::Database& db) {
+  sqlite::Statement tables(db, "SELECT count(*) FROM sqlite_schema");
+  return tables.Step() && tables.Integer(0) == 0;
+}
+
+}  // namespace
+
+std::int64_t SessionVersion(sqlite::Database& db) {
+  const std::string file = db.file().string();
+  const std::int64_t application = Pragma(db, "application_id");
+  if (application == 0 && IsEmpty(db)) {
+    throw ConfigError(file +
+                      ": holds nothing yet: its session was ended while it was made; remove the "
+                      "directory and begin anew");
+  }
+  if (application != kSessionApplicationId) {
+    throw ConfigError(file + ": is not a session: some other program made this database");
+  }
+  const std::int64_t version = Pragma(db, "user_version");
+  if (version < kOldestSessionFormat || version > kSessionFormat) {
+    throw ConfigError(fmt::format("{}: has session format {}, this program reads formats {} to {}",
+                                  file, version, kOldestSessionFormat, kSessionFormat));
+  }
+  return version;
+}
+
+std::int64_t CheckSessionFormat(sqlite::Database& db) {
+  const std::int64_t version = SessionVersion(db);
+  sqlite::Statement check(db, "PRAGMA quick_check(1)");
+  if (!check.Step() || check.Text(0) != "ok") {
+    throw ConfigError(fmt::format("{}: is damaged: {} (gonio rescue keeps what is whole)",
+                                  db.file().string(), check.Text(0)));
+  }
+  return version;
+}
+
+void CreateSessionTables(sqlite::Database& db) {
+  db.Execute(kSessionSchema);
+  constexpr const char* kRefuse =
+      "CREATE TRIGGER {0}_refuse_{1} BEFORE {1} ON {0} {2} BEGIN SELECT RAISE(ABORT, '{0} is "
+      "append-only'); END";
+  for (const auto& [table, same_key] : kSessionTables) {
+    const std::string replaces =
+        fmt::format("WHEN EXISTS (SELECT 1 FROM {} WHERE {})", table, same_key);
+    db.Execute(fmt::format(kRefuse, table, "UPDATE", "").c_str());
+    db.Execute(fmt::format(kRefuse, table, "DELETE", "").c_str());
+    db.Execute(fmt::format(kRefuse, table, "INSERT", replaces).c_str());
+  }
+  db.Execute(fmt::format("PRAGMA application_id = {}; PRAGMA user_version = {}",
+                         kSessionApplicationId, kSessionFormat)
+                 .c_str());
+}
+
+}  // namespace gonio
