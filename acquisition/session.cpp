@@ -67,6 +67,7 @@ class Session {
     if (parts_.so_far == nullptr) begin_ = parts_.clock.Now();
     if (Prepare() && GoBack()) {
       while (Step()) {
+        Enter(SessionSignal::kPoseDone);
         if (progress_) progress_(CurrentProgress());
       }
     }
@@ -75,6 +76,13 @@ class Session {
   }
 
  private:
+  void Enter(SessionSignal signal) {
+    const std::optional<SessionState> next = After(state_, signal);
+    GONIO_CHECK(next.has_value(), "a signal that means nothing in this state");
+    state_ = *next;
+    if (parts_.on_state) parts_.on_state(state_);
+  }
+
   int pose_count() const { return static_cast<int>(summary_.poses.size()); }
 
   Progress CurrentProgress() const {
@@ -90,9 +98,25 @@ class Session {
     const Result<void> prepared = measurer_.Prepare(stop_.now);
     summary_.preparation += parts_.clock.Now() - before;
     if (!prepared.ok()) return EndWith(prepared.error());
-    return Kept([&](EventLog& log) {
-      return log.AppendNote(parts_.clock.Now(), "prepared", "every axis homed, light on");
-    });
+    Enter(SessionSignal::kHomed);
+    if (!Note("prepared", "every axis homed, light on")) return false;
+    Enter(SessionSignal::kStart);
+    return true;
+  }
+
+  bool Note(const char* kind, const char* message) {
+    return Kept([&](EventLog& log) { return log.AppendNote(parts_.clock.Now(), kind, message); });
+  }
+
+  // Between two poses. False: the session is over.
+  bool Pause() {
+    Enter(SessionSignal::kPause);
+    Enter(SessionSignal::kPoseDone);
+    if (!Note("paused", "by the user; arms and light stay as they are")) return false;
+    stop_.wait();
+    if (stop_.after_pose.stop_requested() || stop_.now.stop_requested()) return true;
+    Enter(SessionSignal::kGoOn);
+    return Note("continued", "by the user");
   }
 
   // After a resume: measures the last pose again, compares, and puts everything as it was then.
@@ -128,6 +152,10 @@ class Session {
 
   // One turn of the loop; false once the session is over.
   bool Step() {
+    if (stop_.pause && stop_.pause() && !Pause()) return false;
+    if (stop_.now.stop_requested()) {
+      return EndWith({ErrorCode::kCancelled, "stopped between poses"});
+    }
     if (stop_.after_pose.stop_requested()) {
       return End(SessionOutcome::kStopped, "stopped by the user");
     }
@@ -191,6 +219,9 @@ class Session {
 
   // These return false: the session is over.
   bool End(SessionOutcome outcome, std::string reason) {
+    const bool failed =
+        outcome == SessionOutcome::kDeviceFault || outcome == SessionOutcome::kStorageFailed;
+    Enter(failed ? SessionSignal::kFail : SessionSignal::kStop);
     summary_.outcome = outcome;
     summary_.reason = std::move(reason);
     return false;
@@ -209,6 +240,12 @@ class Session {
   }
 
   void Finish() {
+    CleanUp();
+    Enter(SessionSignal::kCleanedUp);
+  }
+
+  void CleanUp() {
+    (void)parts_.devices.light->SetLevel(0).ok();
     if (summary_.outcome == SessionOutcome::kStorageFailed ||
         summary_.outcome == SessionOutcome::kDeviceFault) {
       (void)StopAll(parts_.devices).ok();
@@ -231,6 +268,7 @@ class Session {
   const ProgressFunction& progress_;
   const Calibrations& calibrations_;
   PoseMeasurer measurer_;
+  SessionState state_ = SessionState::kUnhomed;
   Seconds begin_{0};
   std::uint64_t turn_ = 0;
   int rejections_in_a_row_ = 0;

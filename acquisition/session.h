@@ -13,6 +13,7 @@
 #include "acquisition/event_log.h"
 #include "acquisition/measure.h"
 #include "acquisition/rig.h"
+#include "acquisition/session_state.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
 #include "planner/planner.h"
@@ -29,10 +30,15 @@ struct SessionOptions {
   void Check() const;
 };
 
-// Two ways to ask for an end. Both may be triggered from any thread.
+// What a user may ask for while it runs. Tokens may be triggered from any thread.
 struct SessionStop {
   std::stop_token after_pose;  // finish the pose, then end
   std::stop_token now;         // stop the arms at once; the pose is lost
+  // Asked between poses, in the session's thread: whether to pause, and then a call that returns
+  // when the session is to go on, or one of the tokens was triggered. Arms and light stay as they
+  // are: a lamp that cools down would have to warm up again.
+  std::function<bool()> pause = {};
+  std::function<void()> wait = {};
 };
 
 struct SessionSoFar;
@@ -51,6 +57,8 @@ struct SessionParts {
   // Told a number before every pose, and no number twice: a simulated rig draws its noise by it
   // (SimDevices::draw).
   std::function<void(std::uint64_t)> draw = {};
+  // Told of every change of state, in the session's thread.
+  std::function<void(SessionState)> on_state = {};
 };
 
 enum class SessionOutcome {

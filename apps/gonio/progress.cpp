@@ -43,13 +43,12 @@ void ProgressLine::Show(int done, int total, const std::string& text) {
   if (quiet_) return;
   const auto now = std::chrono::steady_clock::now();
   const bool last = done >= total;
+  left_.Show(done, now - begin_);
   if (terminal_) {
     if (!last && now - shown_ < kRefresh) return;
     shown_ = now;
     // Waiting time, not the rig's: on a simulated rig they are far apart.
-    const Seconds passed = now - begin_;
-    const Seconds left = passed / std::max(done, 1) * std::max(total - done, 0);
-    fmt::print("\r\033[K{}: {}, at most {} left", title_, text, ForPeople(left));
+    fmt::print("\r\033[K{}: {}{}", title_, text, Left(std::max(total - done, 0)));
     dirty_ = true;
   } else {
     const int tenths = total > 0 ? 10 * done / total : 10;
@@ -58,6 +57,14 @@ void ProgressLine::Show(int done, int total, const std::string& text) {
     fmt::print("{}: {}\n", title_, text);
   }
   std::fflush(stdout);
+}
+
+// "; at most 12 min 05 s left, 11 min 40 s to 12 min 30 s": a plan may end before its budget.
+std::string ProgressLine::Left(int steps) const {
+  const auto left = left_.For(steps);
+  if (!left) return {};
+  return fmt::format("; at most {} left, {} to {}", ForPeople(left->expected), ForPeople(left->low),
+                     ForPeople(left->high));
 }
 
 void ProgressLine::Finish() {

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "acquisition/session.h"
+#include "apps/gonio/time_left.h"
 
 namespace gonio {
 
@@ -29,12 +30,15 @@ class ProgressLine {
   void Finish();
 
  private:
+  std::string Left(int steps) const;
+
   std::string title_;
   bool quiet_;
   bool terminal_;
   bool dirty_ = false;
   int tenths_shown_ = 0;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  TimeLeft left_;
   std::chrono::steady_clock::time_point shown_{};
 };
 

@@ -2,6 +2,7 @@
 #include "apps/gonio/session_drive.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <stdexcept>
 
@@ -10,6 +11,7 @@
 #include "apps/gonio/interrupt.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/progress.h"
+#include "apps/gonio/status_file.h"
 #include "apps/gonio/summary.h"
 #include "core/error.h"
 #include "fitting/fit.h"
@@ -102,12 +104,23 @@ int DriveSession(const DriveParts& parts, const SessionOptions& options,
 
   SessionSummary summary;
   {
-    const Interrupt interrupt;
+    const bool terminal = ::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0;
+    Interrupt interrupt(terminal ? STDIN_FILENO : -1);
     ProgressLine line("measuring", quiet);
-    summary = RunSession({setup.rig.config, rig.devices, *rig.clock, parts.planner, &log,
-                          &parts.calibrations, parts.so_far, rig.draw},
-                         options, {.after_pose = interrupt.after_pose(), .now = interrupt.now()},
-                         [&](const Progress& progress) { line.Show(progress); });
+    StatusFile status(dir);
+    summary = RunSession(
+        {setup.rig.config, rig.devices, *rig.clock, parts.planner, &log, &parts.calibrations,
+         parts.so_far, rig.draw, [&](SessionState state) { status.Enter(state); }},
+        options,
+        {.after_pose = interrupt.after_pose(),
+         .now = interrupt.now(),
+         .pause = [&] { return interrupt.pausing(); },
+         .wait = [&] { interrupt.WaitWhilePaused(); }},
+        [&](const Progress& progress) {
+          line.Show(progress);
+          status.Show(progress);
+        });
+    status.End(summary);
   }
   ReportFault(summary, dir);
   if (rig.genicam != nullptr) {

@@ -37,10 +37,12 @@ class Kill : public GonioTest {
     rig = With(rig, "encoder_resolution_deg: 0.002", "encoder_resolution_deg: 0");
     rig = With(rig, "light_drift_per_hour: 0.01", "light_drift_per_hour: 0");
     File("rig.yaml", rig);
+    const auto begin = std::chrono::steady_clock::now();
     const Finished whole =
         Shell(fmt::format("GONIO_STORAGE_COUNT=count LD_PRELOAD={} \"$GONIO\" {}",
                           GONIO_STORAGE_SHIM, Begin("whole")));
     ASSERT_EQ(whole.code, 0) << whole.err;
+    whole_time_ = std::chrono::steady_clock::now() - begin;
     calls_ = std::stol(ReadTextFile(work() / "count"));
     ASSERT_GT(calls_, 3 * kPoses);
   }
@@ -101,11 +103,11 @@ class Kill : public GonioTest {
   }
 
   // Killed from outside after so long, if it is not done before.
-  Finished RunFor(const std::string& arguments, std::chrono::microseconds time) {
-    const double seconds = std::chrono::duration<double>(time).count();
-    return Shell(fmt::format("timeout -s KILL {:.6f} \"$GONIO\" {}", seconds, arguments));
+  Finished RunFor(const std::string& arguments, std::chrono::duration<double> time) {
+    return Shell(fmt::format("timeout -s KILL {:.6f} \"$GONIO\" {}", time.count(), arguments));
   }
 
+  std::chrono::duration<double> whole_time_{0};  // of a session, here and now
   long calls_ = 0;
   int kills_ = 0;
 };
@@ -118,8 +120,7 @@ TEST_F(Kill, AtRandomTimes) {
     FinishAfterKills(
         fmt::format("s{}", s),
         [&](const std::string& arguments) {
-          const double seconds = 0.01 + random.Uniform() * 0.6;
-          return RunFor(arguments, std::chrono::microseconds(static_cast<long>(1e6 * seconds)));
+          return RunFor(arguments, (0.02 + 1.2 * random.Uniform()) * whole_time_);
         },
         200);
   }
