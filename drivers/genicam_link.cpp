@@ -22,6 +22,7 @@ struct Unref {
 };
 using CameraHandle = std::unique_ptr<ArvCamera, Unref>;
 using StreamHandle = std::unique_ptr<ArvStream, Unref>;
+using ChunkHandle = std::unique_ptr<ArvChunkParser, Unref>;
 
 constexpr int kBuffers = 4;
 // The default of the system loses most frames, says a measurement; the system may grant less.
@@ -122,12 +123,15 @@ class GenicamLink::Impl {
   void Drop();
   std::string WhatIsWrong(ArvBuffer* buffer) const;
   Result<GenicamImage> Take(ArvBuffer* buffer, std::map<std::string, int>& bad);
+  // What the frame says of itself; empty: it does not.
+  std::optional<double> Chunk(ArvBuffer* buffer, const char* chunk) const;
 
   const GenicamSettings settings_;
   std::atomic<bool> lost_ = false;
   CameraHandle camera_;
   GenicamFeatures features_;
   StreamHandle stream_;  // gone before the camera
+  ChunkHandle chunks_;   // null: no frame says anything
   GenicamSetup setup_;
   double exposure_us_ = 0;  // read back; 0: not set yet
 };
@@ -163,6 +167,9 @@ Result<void> GenicamLink::Impl::Arm() {
   if (ARV_IS_GV_STREAM(stream_.get())) {
     g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
                  "socket-buffer-size", kSocketBytes, nullptr);
+  }
+  if (setup_.tells_exposure || setup_.tells_gain) {
+    chunks_.reset(arv_camera_create_chunk_parser(camera));
   }
   const guint payload = arv_camera_get_payload(camera, &error);
   if (error) return GenicamError(error, "PayloadSize");
@@ -248,7 +255,28 @@ Result<GenicamImage> GenicamLink::Impl::Take(ArvBuffer* buffer, std::map<std::st
   GenicamImage image;
   image.counts.resize(setup_.info.counts());
   UnpackPixels(*setup_.format, std::span(data, size), image.counts);
-  return image;
+  const auto exposure =
+      setup_.tells_exposure ? Chunk(buffer, "ChunkExposureTime") : std::optional<double>();
+  if (exposure) image.exposure = Seconds(*exposure * kMicrosecond);
+  if (setup_.tells_gain) image.gain_db = Chunk(buffer, "ChunkGain");
+  if (image.exposure || !setup_.tells_exposure) return image;
+  ++bad["no exposure time"];
+  return Error{ErrorCode::kProtocol, "a frame did not say its exposure time"};
+}
+
+std::optional<double> GenicamLink::Impl::Chunk(ArvBuffer* buffer, const char* chunk) const {
+  if (!arv_buffer_has_chunks(buffer)) return std::nullopt;
+  GError* error = nullptr;
+  double value = arv_chunk_parser_get_float_value(chunks_.get(), buffer, chunk, &error);
+  if (error &&
+      g_error_matches(error, ARV_CHUNK_PARSER_ERROR, ARV_CHUNK_PARSER_ERROR_INVALID_FEATURE_TYPE)) {
+    g_clear_error(&error);
+    value = static_cast<double>(
+        arv_chunk_parser_get_integer_value(chunks_.get(), buffer, chunk, &error));
+  }
+  const bool told = !error;
+  g_clear_error(&error);
+  return told ? std::optional(value) : std::nullopt;
 }
 
 GenicamLink::GenicamLink(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -269,6 +297,7 @@ const CameraInfo& GenicamLink::info() const { return impl_->setup_.info; }
 const std::string& GenicamLink::identity() const { return impl_->setup_.identity; }
 double GenicamLink::gain_db() const { return impl_->setup_.gain_db; }
 double GenicamLink::black_level() const { return impl_->setup_.black_level; }
+bool GenicamLink::tells_exposure() const { return impl_->setup_.tells_exposure; }
 void GenicamLink::GiveUp() { impl_->lost_ = true; }
 bool GenicamLink::lost() const { return impl_->lost_; }
 

@@ -220,6 +220,13 @@ Action SetUpSimDevices(CLI::App& app) {
                  "Packets of images that never arrive")
       ->check(CLI::Range(0.0, 100.0))
       ->group(kDouble);
+  app.add_option("--camera-late-frames", o->camera_late_frames,
+                 "Frames after a change of the exposure time that still have the one before")
+      ->check(CLI::Range(0, 10))
+      ->group(kDouble);
+  app.add_flag("--camera-chunk-data", o->camera_chunk_data,
+               "Its frames say how they were taken, as chunk data")
+      ->group(kDouble);
   app.add_option("--camera-gone-after", o->camera_gone_after,
                  "Exposures after which it is unplugged (default: never)")
       ->check(CLI::PositiveNumber)

@@ -167,6 +167,8 @@ struct SimDevicesOptions {
 
   // Of a double of the rig's camera.
   double packet_loss_percent = 0;
+  int camera_late_frames = 0;        // that a change of the exposure time takes to be in force
+  bool camera_chunk_data = false;    // its frames say how they were taken
   int camera_gone_after = 0;         // exposures, after which it is unplugged; 0: never
   double camera_gone_for_s = 0;      // until it is plugged in again; 0: for good
   std::filesystem::path frames_log;  // SHA-256 of every frame's counts as it was sent; empty: none
