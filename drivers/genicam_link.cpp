@@ -7,11 +7,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
 #include <span>
 #include <utility>
 
 #include "drivers/genicam_features.h"
+#include "drivers/genicam_list.h"
 #include "drivers/genicam_setup.h"
 
 namespace gonio {
@@ -25,8 +25,9 @@ using StreamHandle = std::unique_ptr<ArvStream, Unref>;
 using ChunkHandle = std::unique_ptr<ArvChunkParser, Unref>;
 
 constexpr int kBuffers = 4;
-// The default of the system loses most frames, says a measurement; the system may grant less.
-constexpr int kSocketBytes = 4 << 20;
+// At least; the default of the system loses most frames, says a measurement. It may grant less:
+// `gonio doctor` says so.
+constexpr guint kSocketBytes = 4 << 20;
 constexpr guint64 kSlice = 20'000;          // us between looks at who gave up waiting
 constexpr double kMicrosecond = 1e-6;       // s
 constexpr double kExposureTolerance = 0.1;  // share of the exposure, of the rounding of short ones
@@ -46,9 +47,7 @@ Result<std::string> IdOfSerial(const std::string& serial) {
 }
 
 Result<CameraHandle> Find(const GenicamSettings& settings) {
-  // The list of devices is one of the whole program.
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(GenicamListMutex());
   std::string id = settings.device_id;
   if (!settings.address.empty()) {
     in_addr unused{};
@@ -164,15 +163,16 @@ Result<void> GenicamLink::Impl::Arm() {
   }
   stream_.reset(arv_camera_create_stream(camera, nullptr, nullptr, &error));
   if (error || !stream_) return GenicamError(error, "opening the stream");
-  if (ARV_IS_GV_STREAM(stream_.get())) {
-    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
-                 "socket-buffer-size", kSocketBytes, nullptr);
-  }
   if (setup_.tells_exposure || setup_.tells_gain) {
     chunks_.reset(arv_camera_create_chunk_parser(camera));
   }
   const guint payload = arv_camera_get_payload(camera, &error);
   if (error) return GenicamError(error, "PayloadSize");
+  if (ARV_IS_GV_STREAM(stream_.get())) {
+    const auto bytes = static_cast<gint>(std::clamp<guint>(payload, kSocketBytes, G_MAXINT));
+    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
+                 "socket-buffer-size", bytes, nullptr);
+  }
   for (int i = 0; i < kBuffers; ++i) {
     arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
   }

@@ -201,6 +201,9 @@ Action SetUpPrior(CLI::App& app) {
 
 Action SetUpDevices(CLI::App& app) {
   auto o = std::make_shared<DevicesOptions>();
+  app.add_option("--gige-address", o->gige_addresses, "Ask the GigE Vision camera there, too");
+  app.add_flag("--gige", o->gige,
+               "Search for GigE Vision cameras, too: a broadcast on every network interface");
   app.add_option("--json", o->json, "Write the same as JSON (-: to standard output)");
   return [o] { return DevicesCommand(*o); };
 }
@@ -247,8 +250,8 @@ Action SetUpSimDevices(CLI::App& app) {
 Action SetUpDoctor(CLI::App& app) {
   auto o = std::make_shared<DoctorOptions>();
   app.add_option("--rig", o->rig,
-                 "Rig file whose ports are opened and closed again; boards that reset when their "
-                 "port is opened do");
+                 "Rig file whose ports are opened and closed again (boards that reset when their "
+                 "port is opened do), and whose camera the system must be ready for");
   app.add_option("--json", o->json, "Write the same as JSON (-: to standard output)");
   return [o] { return DoctorCommand(*o); };
 }

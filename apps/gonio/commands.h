@@ -155,7 +155,9 @@ struct PriorLearnOptions {
 int PriorLearnCommand(const PriorLearnOptions& options);
 
 struct DevicesOptions {
-  std::filesystem::path json;  // empty: none; "-": instead of the table
+  std::vector<std::string> gige_addresses;  // of GigE Vision cameras, which are asked
+  bool gige = false;                        // all others are searched for by a broadcast
+  std::filesystem::path json;               // empty: none; "-": instead of the table
 };
 int DevicesCommand(const DevicesOptions& options);
 
