@@ -22,9 +22,9 @@ namespace {
 namespace fs = std::filesystem;
 using Kind = Finding::Kind;
 
-constexpr int kJumbo = 9000;           // bytes of a packet that most cameras can send
-constexpr long kBuffers = 4;           // frames that the driver has under way
-constexpr long kMebibyte = 1L << 20;   // bytes
+constexpr int kJumbo = 9000;              // bytes of a packet that most cameras can send
+constexpr long kBuffers = 4;              // frames that the driver has under way
+constexpr long kMebibyte = 1L << 20;      // bytes
 constexpr std::uint16_t kControl = 3956;  // GigE Vision's port; any would do
 
 // Of a frame, as it comes.
