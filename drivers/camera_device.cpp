@@ -49,6 +49,7 @@ CameraDevice ReadCameraDevice(const ConfigNode& node) {
   settings.discarded_first = node.IntegerOr("discarded_first", settings.discarded_first, 0, 100);
   settings.discarded_on_change =
       node.IntegerOr("discarded_on_change", settings.discarded_on_change, 0, 100);
+  settings.chunk_data = node.BoolOr("chunk_data", settings.chunk_data);
   settings.reopen_limit =
       Seconds(node.NumberOr("reopen_s", settings.reopen_limit.count(), Range::Between(0, 3600)));
   return device;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -23,6 +24,12 @@ constexpr Seconds kBetweenTries{0.2};  // to find a lost camera
 constexpr Seconds kSilence{12};
 // Clocks of cameras run fast or slow by less.
 constexpr double kClockTolerance = 1e-3;
+// What a frame says of itself may differ by so much from what the camera read back: it may round
+// one of them to 1 us.
+constexpr double kExposureTolerance = 1e-3;  // relative
+constexpr Seconds kExposureStep{1e-6};
+constexpr double kGainTolerance = 0.05;  // dB
+constexpr int kMostLate = 4;             // frames in a row that may have earlier settings
 
 // What Capture() asks of the camera's thread.
 struct Request {
@@ -60,6 +67,7 @@ class GenicamCamera::Impl {
   Result<Frame> Serve(Request& request);
   Result<Frame> Attempt(Request& request);
   Result<Frame> TakeOne(Request& request);
+  bool IsAsSet(const Frame& frame) const;
   Result<void> Reopen(Request& request);
   Result<void> SetExposure(Seconds exposure);
   // What is to be done about a frame that did not come.
@@ -70,9 +78,10 @@ class GenicamCamera::Impl {
 
   Clock& clock_;
   std::unique_ptr<GenicamLink> link_;
-  Seconds asked_{0};   // the exposure that was set
-  Seconds used_{0};    // what the camera made of it
-  int untrusted_ = 0;  // frames to come that are thrown away
+  Seconds asked_{0};    // the exposure that was set
+  Seconds used_{0};     // what the camera made of it
+  Seconds longest_{0};  // that a frame to come may take: earlier settings may still be in force
+  int untrusted_ = 0;   // frames to come that are thrown away
   std::stop_token quit_;
 
   std::mutex mutex_;
@@ -199,7 +208,28 @@ Result<Frame> GenicamCamera::Impl::Attempt(Request& request) {
     if (!thrown && thrown.error().code != ErrorCode::kProtocol) return thrown.error();
     Count([](GenicamCounters& counters) { ++counters.discarded; });
   }
-  return TakeOne(request);
+  for (int late = 0;; ++late) {
+    auto frame = TakeOne(request);
+    if (!frame) return frame;
+    if (IsAsSet(*frame)) {
+      longest_ = used_;
+      return frame;
+    }
+    if (late == kMostLate) {
+      return Error{
+          ErrorCode::kProtocol,
+          fmt::format("frames are taken with {:.6g} s and {:.4g} dB, but the camera is set "
+                      "to {:.6g} s and {:.4g} dB",
+                      frame->exposure.count(), frame->gain_db, used_.count(), link_->gain_db())};
+    }
+    Count([](GenicamCounters& counters) { ++counters.late; });
+  }
+}
+
+bool GenicamCamera::Impl::IsAsSet(const Frame& frame) const {
+  const Seconds off = frame.exposure > used_ ? frame.exposure - used_ : used_ - frame.exposure;
+  return off <= std::max(kExposureStep, kExposureTolerance * used_) &&
+         std::abs(frame.gain_db - link_->gain_db()) <= kGainTolerance;
 }
 
 Result<void> GenicamCamera::Impl::SetExposure(Seconds exposure) {
@@ -209,7 +239,8 @@ Result<void> GenicamCamera::Impl::SetExposure(Seconds exposure) {
   if (!used) return used.error();
   asked_ = exposure;
   used_ = *used;
-  untrusted_ = std::max(untrusted_, settings_.discarded_on_change);
+  longest_ = std::max(longest_, used_);
+  if (!link_->tells_exposure()) untrusted_ = std::max(untrusted_, settings_.discarded_on_change);
   return {};
 }
 
@@ -221,27 +252,28 @@ Result<Frame> GenicamCamera::Impl::TakeOne(Request& request) {
   if (software) {
     if (const auto triggered = link_->Trigger(); !triggered) return triggered.error();
   }
-  const Deadline deadline(std::min(FrameLimit(used_), request.deadline.Left()));
+  const Deadline deadline(std::min(FrameLimit(longest_), request.deadline.Left()));
   std::map<std::string, int> bad;
   auto image = link_->WaitForImage(deadline, abandoned, bad);
   // An edge may have come before the call, and its frame after it.
-  while (image && !software && clock_.Now() - (1 - kClockTolerance) * used_ < asked) {
+  while (image && !software &&
+         clock_.Now() - (1 - kClockTolerance) * image->exposure.value_or(used_) < asked) {
     image = link_->WaitForImage(deadline, abandoned, bad);
   }
   Count([&](GenicamCounters& counters) {
     for (const auto& [what, count] : bad) counters.bad[what] += count;
   });
   if (!image) return Missed(image.error());
-  const Seconds latest = clock_.Now() - used_;
   Frame frame;
   frame.width = info_.width;
   frame.height = info_.height;
   frame.layout = info_.layout;
   frame.counts = std::move(image->counts);
-  frame.exposure = used_;
-  frame.gain_db = link_->gain_db();
+  frame.exposure = image->exposure.value_or(used_);
+  frame.gain_db = image->gain_db.value_or(link_->gain_db());
   frame.black_level = link_->black_level();
   // The edge's time is not known, only when its frame was there.
+  const Seconds latest = clock_.Now() - frame.exposure;
   frame.start = software ? asked : std::max(asked, latest - info_.readout);
   const auto temperature = link_->Temperature();
   if (temperature) frame.temperature_c = *temperature;
@@ -280,7 +312,7 @@ Result<void> GenicamCamera::Impl::Reopen(Request& request) {
     }
     if (link) {
       link_ = std::move(link).value();
-      asked_ = Seconds(0);
+      asked_ = longest_ = Seconds(0);
       untrusted_ = settings_.discarded_first;
       Count([](GenicamCounters& counters) { ++counters.reopened; });
       return {};

@@ -34,18 +34,21 @@ struct GenicamSettings {
   std::string trigger_line;           // "Line1": its rising edge; empty: a software trigger
   int packet_size = 0;                // bytes of GigE packets; 0: as Aravis finds it
 
-  Seconds readout{0.05};        // an upper bound, unless the camera tells
-  Seconds margin{0.5};          // >= 0.3: a frame may be late by so much before it is given up
-  int retries = 8;              // frames taken again after one that was late or not whole
-  int discarded_first = 1;      // frames thrown away after opening and after a restart
-  int discarded_on_change = 1;  // and after the exposure time was changed
-  Seconds reopen_limit{10};     // a camera that was lost is looked for so long, per frame
+  Seconds readout{0.05};    // an upper bound, unless the camera tells
+  Seconds margin{0.5};      // >= 0.3: a frame may be late by so much before it is given up
+  int retries = 8;          // frames taken again after one that was late or not whole
+  int discarded_first = 1;  // frames thrown away after opening and after a restart
+  int discarded_on_change =
+      1;                     // and after the exposure time was changed, if frames do not say theirs
+  bool chunk_data = true;    // let frames say how they were taken, if the camera has that
+  Seconds reopen_limit{10};  // a camera that was lost is looked for so long, per frame
 };
 
 // What has happened so far.
 struct GenicamCounters {
   int frames = 0;     // handed out
   int discarded = 0;  // thrown away on purpose
+  int late = 0;       // that said that they were taken with earlier settings; taken again
   int retries = 0;
   int reopened = 0;
   // Frames that were not whole, by what Aravis or we found: "missing packets", "time-out" (of some
@@ -62,13 +65,18 @@ struct GenicamCounters {
 //   (1 + retries) (1 + discarded) (exposure + readout + margin) + reopen_limit + 12 s,
 //
 // whatever the camera or its driver do; what hangs is left behind, and the next Capture() waits for
-// it within its own limit. Frames carry the exposure and gain that the camera read back; frames
-// taken just after a change are thrown away, as many cameras apply it one frame late.
+// it within its own limit.
+//
+// Many cameras apply a change of the exposure time a frame or two late. Where frames say how they
+// were taken (chunk data: ChunkExposureTime, ChunkGain), Frame has what the frame says, and one
+// that says something else than what is set is taken again: no frame is ever taken for one of
+// another exposure. Elsewhere Frame has what the camera read back, and `discarded_on_change` frames
+// after a change are thrown away: right for cameras that are late by no more than that.
 //
 // Errors of Capture(), after the repeats:
 //
 //   kTimeout       no frame came, but the camera answers
-//   kProtocol      no frame was whole
+//   kProtocol      no frame was whole, or none was taken as it was set
 //   kDisconnected  it does not answer, and was not found again within reopen_limit
 //   kRefused       exposure out of range, or the camera that came back is not as it was
 //

@@ -9,13 +9,16 @@
 namespace gonio {
 namespace {
 
-bool NoAnswer(const GError* error) {
+// It does not answer; or it answers, but obeys nobody or another, as after a loss of power.
+bool Lost(const GError* error) {
   if (error->domain != ARV_DEVICE_ERROR) return false;
   switch (error->code) {
     case ARV_DEVICE_ERROR_TIMEOUT:
     case ARV_DEVICE_ERROR_NOT_CONNECTED:
     case ARV_DEVICE_ERROR_TRANSFER_ERROR:
     case ARV_DEVICE_ERROR_NOT_FOUND:
+    case ARV_DEVICE_ERROR_NOT_CONTROLLER:
+    case ARV_DEVICE_ERROR_PROTOCOL_ERROR_ACCESS_DENIED:
       return true;
     default:
       return false;
@@ -28,7 +31,7 @@ Error Refused(std::string message) { return {ErrorCode::kRefused, std::move(mess
 
 Error GenicamError(GError* error, const std::string& what) {
   if (!error) return {ErrorCode::kProtocol, what + ": failed without a reason"};
-  const Error result{NoAnswer(error) ? ErrorCode::kDisconnected : ErrorCode::kRefused,
+  const Error result{Lost(error) ? ErrorCode::kDisconnected : ErrorCode::kRefused,
                      fmt::format("{}: {}", what, error->message)};
   g_error_free(error);
   return result;

@@ -23,7 +23,7 @@ struct FeatureBounds {
 
 // Every Set...() reads back what it wrote: a camera may round, and a few forget. The thread that
 // owns the device. Errors: kRefused (no such feature, a value it does not take), kDisconnected (no
-// answer: GigE cameras take Aravis 2.5 s for that).
+// answer: GigE cameras take Aravis 2.5 s for that; or we are no longer in control of it).
 class GenicamFeatures {
  public:
   explicit GenicamFeatures(ArvDevice* device) : device_(device) {}  // must outlive it

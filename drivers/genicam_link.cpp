@@ -7,11 +7,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <mutex>
 #include <span>
 #include <utility>
 
 #include "drivers/genicam_features.h"
+#include "drivers/genicam_list.h"
 #include "drivers/genicam_setup.h"
 
 namespace gonio {
@@ -22,10 +22,12 @@ struct Unref {
 };
 using CameraHandle = std::unique_ptr<ArvCamera, Unref>;
 using StreamHandle = std::unique_ptr<ArvStream, Unref>;
+using ChunkHandle = std::unique_ptr<ArvChunkParser, Unref>;
 
 constexpr int kBuffers = 4;
-// The default of the system loses most frames, says a measurement; the system may grant less.
-constexpr int kSocketBytes = 4 << 20;
+// At least; the default of the system loses most frames, says a measurement. It may grant less:
+// `gonio doctor` says so.
+constexpr guint kSocketBytes = 4 << 20;
 constexpr guint64 kSlice = 20'000;          // us between looks at who gave up waiting
 constexpr double kMicrosecond = 1e-6;       // s
 constexpr double kExposureTolerance = 0.1;  // share of the exposure, of the rounding of short ones
@@ -45,9 +47,7 @@ Result<std::string> IdOfSerial(const std::string& serial) {
 }
 
 Result<CameraHandle> Find(const GenicamSettings& settings) {
-  // The list of devices is one of the whole program.
-  static std::mutex mutex;
-  const std::lock_guard lock(mutex);
+  const std::lock_guard lock(GenicamListMutex());
   std::string id = settings.device_id;
   if (!settings.address.empty()) {
     in_addr unused{};
@@ -122,12 +122,15 @@ class GenicamLink::Impl {
   void Drop();
   std::string WhatIsWrong(ArvBuffer* buffer) const;
   Result<GenicamImage> Take(ArvBuffer* buffer, std::map<std::string, int>& bad);
+  // What the frame says of itself; empty: it does not.
+  std::optional<double> Chunk(ArvBuffer* buffer, const char* chunk) const;
 
   const GenicamSettings settings_;
   std::atomic<bool> lost_ = false;
   CameraHandle camera_;
   GenicamFeatures features_;
   StreamHandle stream_;  // gone before the camera
+  ChunkHandle chunks_;   // null: no frame says anything
   GenicamSetup setup_;
   double exposure_us_ = 0;  // read back; 0: not set yet
 };
@@ -160,12 +163,16 @@ Result<void> GenicamLink::Impl::Arm() {
   }
   stream_.reset(arv_camera_create_stream(camera, nullptr, nullptr, &error));
   if (error || !stream_) return GenicamError(error, "opening the stream");
-  if (ARV_IS_GV_STREAM(stream_.get())) {
-    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
-                 "socket-buffer-size", kSocketBytes, nullptr);
+  if (setup_.tells_exposure || setup_.tells_gain) {
+    chunks_.reset(arv_camera_create_chunk_parser(camera));
   }
   const guint payload = arv_camera_get_payload(camera, &error);
   if (error) return GenicamError(error, "PayloadSize");
+  if (ARV_IS_GV_STREAM(stream_.get())) {
+    const auto bytes = static_cast<gint>(std::clamp<guint>(payload, kSocketBytes, G_MAXINT));
+    g_object_set(stream_.get(), "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED,
+                 "socket-buffer-size", bytes, nullptr);
+  }
   for (int i = 0; i < kBuffers; ++i) {
     arv_stream_push_buffer(stream_.get(), arv_buffer_new_allocate(payload));
   }
@@ -248,7 +255,28 @@ Result<GenicamImage> GenicamLink::Impl::Take(ArvBuffer* buffer, std::map<std::st
   GenicamImage image;
   image.counts.resize(setup_.info.counts());
   UnpackPixels(*setup_.format, std::span(data, size), image.counts);
-  return image;
+  const auto exposure =
+      setup_.tells_exposure ? Chunk(buffer, "ChunkExposureTime") : std::optional<double>();
+  if (exposure) image.exposure = Seconds(*exposure * kMicrosecond);
+  if (setup_.tells_gain) image.gain_db = Chunk(buffer, "ChunkGain");
+  if (image.exposure || !setup_.tells_exposure) return image;
+  ++bad["no exposure time"];
+  return Error{ErrorCode::kProtocol, "a frame did not say its exposure time"};
+}
+
+std::optional<double> GenicamLink::Impl::Chunk(ArvBuffer* buffer, const char* chunk) const {
+  if (!arv_buffer_has_chunks(buffer)) return std::nullopt;
+  GError* error = nullptr;
+  double value = arv_chunk_parser_get_float_value(chunks_.get(), buffer, chunk, &error);
+  if (error &&
+      g_error_matches(error, ARV_CHUNK_PARSER_ERROR, ARV_CHUNK_PARSER_ERROR_INVALID_FEATURE_TYPE)) {
+    g_clear_error(&error);
+    value = static_cast<double>(
+        arv_chunk_parser_get_integer_value(chunks_.get(), buffer, chunk, &error));
+  }
+  const bool told = !error;
+  g_clear_error(&error);
+  return told ? std::optional(value) : std::nullopt;
 }
 
 GenicamLink::GenicamLink(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -269,6 +297,7 @@ const CameraInfo& GenicamLink::info() const { return impl_->setup_.info; }
 const std::string& GenicamLink::identity() const { return impl_->setup_.identity; }
 double GenicamLink::gain_db() const { return impl_->setup_.gain_db; }
 double GenicamLink::black_level() const { return impl_->setup_.black_level; }
+bool GenicamLink::tells_exposure() const { return impl_->setup_.tells_exposure; }
 void GenicamLink::GiveUp() { impl_->lost_ = true; }
 bool GenicamLink::lost() const { return impl_->lost_; }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,9 @@ namespace gonio {
 // An image as it came.
 struct GenicamImage {
   std::vector<std::uint16_t> counts;
+  // What it says that it was taken with, if it does.
+  std::optional<Seconds> exposure;
+  std::optional<double> gain_db;
 };
 
 // One thread: Aravis' objects are not for several. Errors: kDisconnected once the camera does not
@@ -32,6 +36,8 @@ class GenicamLink {
   const std::string& identity() const;
   double gain_db() const;      // read back
   double black_level() const;  // read back; 0 if the camera has none
+  // Whether every image says its exposure.
+  bool tells_exposure() const;
 
   // Returns what the camera made of it.
   Result<Seconds> SetExposure(Seconds exposure);

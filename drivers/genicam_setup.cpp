@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <initializer_list>
+#include <string_view>
 #include <utility>
 
 namespace gonio {
@@ -32,6 +33,8 @@ class Setup {
   Result<void> ConfigureBlackLevel();
   Result<void> ConfigureExposure();
   Result<void> ConfigureTrigger();
+  Result<void> ConfigureChunks();
+  Result<bool> EnableChunk(const char* chunk);
   Result<void> Identify();
 
   const GenicamSettings& settings_;
@@ -44,7 +47,7 @@ Result<void> Setup::Configure() {
   using Step = Result<void> (Setup::*)();
   for (const Step step : {&Setup::ConfigureFormat, &Setup::ConfigureRegion, &Setup::ConfigureGain,
                           &Setup::ConfigureBlackLevel, &Setup::ConfigureExposure,
-                          &Setup::ConfigureTrigger, &Setup::Identify}) {
+                          &Setup::ConfigureTrigger, &Setup::ConfigureChunks, &Setup::Identify}) {
     if (const auto done = (this->*step)(); !done) return done;
   }
   return {};
@@ -181,6 +184,45 @@ Result<void> Setup::ConfigureTrigger() {
   return features_.SetTextIfThere("TriggerActivation", "RisingEdge");
 }
 
+Result<void> Setup::ConfigureChunks() {
+  if (!features_.Has("ChunkModeActive")) return {};
+  const bool wanted = settings_.chunk_data && features_.Has("ChunkSelector");
+  GError* error = nullptr;
+  arv_camera_set_chunk_mode(camera_, wanted, &error);
+  if (error) return GenicamError(error, "ChunkModeActive");
+  if (!wanted) return {};
+  const auto exposure = EnableChunk("ExposureTime");
+  if (!exposure) return exposure.error();
+  made_.tells_exposure = *exposure;
+  // Old cameras have their gain in steps, and their frames, too.
+  if (features_.Has("Gain")) {
+    const auto gain = EnableChunk("Gain");
+    if (!gain) return gain.error();
+    made_.tells_gain = *gain;
+  }
+  if (made_.tells_exposure || made_.tells_gain) return {};
+  arv_camera_set_chunk_mode(camera_, false, &error);
+  if (error) return GenicamError(error, "ChunkModeActive");
+  return {};
+}
+
+Result<bool> Setup::EnableChunk(const char* chunk) {
+  ArvDevice* device = arv_camera_get_device(camera_);
+  GError* error = nullptr;
+  guint count = 0;
+  const char** names = arv_device_dup_available_enumeration_feature_values_as_strings(
+      device, "ChunkSelector", &count, &error);
+  const bool known =
+      std::any_of(names, names + count, [&](std::string_view name) { return name == chunk; });
+  g_free(names);
+  if (error) return GenicamError(error, "ChunkSelector");
+  if (!known) return false;
+  arv_camera_set_chunk_state(camera_, chunk, true, &error);
+  const bool enabled = !error && arv_camera_get_chunk_state(camera_, chunk, &error);
+  if (error) return GenicamError(error, fmt::format("ChunkEnable of {}", chunk));
+  return enabled;
+}
+
 Result<void> Setup::Identify() {
   for (const auto& feature :
        {features_.FirstOf({"DeviceVendorName"}), features_.FirstOf({"DeviceModelName"}),
@@ -199,6 +241,7 @@ Result<void> Setup::Identify() {
                   made_.format->name, settings_.width, settings_.height, settings_.offset_x,
                   settings_.offset_y, made_.gain_db, made_.black_level,
                   settings_.trigger_line.empty() ? "Software" : settings_.trigger_line);
+  if (made_.tells_exposure) made_.identity += ", frames say their exposure";
   return {};
 }
 

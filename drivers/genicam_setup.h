@@ -22,6 +22,8 @@ struct GenicamSetup {
   double black_level = 0;           // 0 if the camera has none
   std::string exposure_feature;     // in us
   std::string temperature_feature;  // in deg C; empty: it does not tell
+  bool tells_exposure = false;      // each frame, in chunk data
+  bool tells_gain = false;          // and in dB
 };
 
 // While nothing is acquired. kRefused names the feature, what was wanted and what was got.

@@ -30,10 +30,14 @@ struct GigeCameraSettings {
   double max_gain_db = 24;    // in steps of 0.1
   int max_black_level = 255;  // counts
   double temperature_c = 35;
-  // So many seconds of exposure take one of the machine's, of which an exposure may take 1.5 s: the
-  // double, like its client, would take a longer silence for a loss.
-  double rate = 1;
+  double rate = 1;         // so many seconds of exposure take one of the machine's
   std::uint32_t seed = 1;  // of what is lost
+  // Frames after a change of the exposure time that are still taken with the one before.
+  int late_frames = 0;
+  // Whether frames can say how they were taken (SFNC's chunk data: ExposureTime, Gain).
+  bool chunks = false;
+  // Whether packets are sent again when the client asks for them.
+  bool resends = false;
 };
 
 // What a frame is taken with, read from the camera's registers as the exposure begins.
@@ -66,11 +70,11 @@ using GigeExpose =
 //
 //   arv-tool-0.8 -a 127.0.0.1 control ExposureTime=5000 Gain
 //
-// It is Aravis' fake camera with another description, so: it never sends a lost packet again; of
-// two triggers during one exposure it serves one; registers answer only between exposures; and it
-// answers to searches (broadcasts) that reach this machine on any interface.
+// A trigger during an exposure is not served. The end of acquisition ends an exposure that is under
+// way; no image comes of it. Without a trigger mode it takes one frame after the other. It answers
+// searches (broadcasts) that reach this machine.
 //
-// Its methods are for one thread; the camera has its own.
+// Its methods are for one thread; the camera has two of its own.
 class GigeCamera {
  public:
   // kRefused: the address is no interface's, or its port is taken.

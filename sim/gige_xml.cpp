@@ -144,13 +144,54 @@ std::string Analog(const GigeCameraSettings& settings) {
          Float("BlackLevel", R::kBlackLevel, "DN", 0, settings.max_black_level, 1);
 }
 
-std::string Transport() {
+std::string Boolean(const std::string& name) {
+  return fmt::format(
+      "<Boolean Name=\"{0}\" NameSpace=\"Standard\">\n  <pValue>{0}Register</pValue>\n"
+      "  <OnValue>1</OnValue>\n  <OffValue>0</OffValue>\n</Boolean>\n",
+      name);
+}
+
+// What a frame says about itself: a number behind its pixels.
+std::string Chunk(const std::string& name, std::uint32_t id, const std::string& unit) {
+  return fmt::format(
+      "<Port Name=\"{0}Port\" NameSpace=\"Custom\">\n  <ChunkID>{1:X}</ChunkID>\n</Port>\n"
+      "<FloatReg Name=\"{0}\" NameSpace=\"Standard\">\n  <Address>0x0</Address>\n"
+      "  <Length>{2}</Length>\n  <AccessMode>RO</AccessMode>\n  <pPort>{0}Port</pPort>\n"
+      "  <Endianess>BigEndian</Endianess>\n  <Unit>{3}</Unit>\n</FloatReg>\n",
+      name, id, GigeChunks::kBytes, unit);
+}
+
+std::string ChunkData() {
+  return Category("ChunkDataControl", {"ChunkModeActive", "ChunkSelector", "ChunkEnable",
+                                       "ChunkExposureTime", "ChunkGain"}) +
+         Boolean("ChunkModeActive") + Register("ChunkModeActive", R::kChunkMode, kReadWrite) +
+         Enumeration("ChunkSelector", R::kChunkSelector, {{"ExposureTime", 0}, {"Gain", 1}}) +
+         Boolean("ChunkEnable") +
+         fmt::format(
+             "<IntReg Name=\"ChunkEnableRegister\" NameSpace=\"Custom\">\n{}"
+             "  <pIndex Offset=\"4\">ChunkSelectorRegister</pIndex>\n"
+             "  <Sign>Unsigned</Sign>\n  <Endianess>BigEndian</Endianess>\n</IntReg>\n",
+             Place(R::kChunkEnable, 4, kReadWrite)) +
+         Register("ChunkExposureTimeEnable", R::kChunkEnable, kReadOnly) +
+         Register("ChunkGainEnable", R::kChunkEnable + 4, kReadOnly) +
+         Chunk("ChunkExposureTime", GigeChunks::kExposure, "us") +
+         Chunk("ChunkGain", GigeChunks::kGain, "dB");
+}
+
+std::string Transport(const GigeCameraSettings& settings) {
+  const std::string image = "W * H * ((F &gt;&gt; 16) &amp; 255) / 8";
+  const auto variable = [](const char* letter, const char* feature) {
+    return fmt::format("  <pVariable Name=\"{}\">{}</pVariable>\n", letter, feature);
+  };
+  const std::string chunks =
+      variable("C", "ChunkModeActiveRegister") + variable("E", "ChunkExposureTimeEnableRegister") +
+      variable("G", "ChunkGainEnableRegister") +
+      fmt::format("  <Formula>{} + C * ({} + (E + G) * {})</Formula>\n", image,
+                  GigeChunks::kEndBytes, GigeChunks::kBytes + GigeChunks::kEndBytes);
   return Category("TransportLayerControl", {"PayloadSize"}) +
-         "<IntSwissKnife Name=\"PayloadSize\" NameSpace=\"Standard\">\n"
-         "  <pVariable Name=\"W\">Width</pVariable>\n"
-         "  <pVariable Name=\"H\">Height</pVariable>\n"
-         "  <pVariable Name=\"F\">PixelFormatRegister</pVariable>\n"
-         "  <Formula>W * H * ((F &gt;&gt; 16) &amp; 255) / 8</Formula>\n"
+         "<IntSwissKnife Name=\"PayloadSize\" NameSpace=\"Standard\">\n" + variable("W", "Width") +
+         variable("H", "Height") + variable("F", "PixelFormatRegister") +
+         (settings.chunks ? chunks : fmt::format("  <Formula>{}</Formula>\n", image)) +
          "</IntSwissKnife>\n"
          "<Integer Name=\"TLParamsLocked\">\n  <Visibility>Invisible</Visibility>\n"
          "  <Value>0</Value>\n  <Min>0</Min>\n  <Max>1</Max>\n</Integer>\n";
@@ -159,6 +200,10 @@ std::string Transport() {
 }  // namespace
 
 std::string GigeDescription(const GigeCameraSettings& settings) {
+  std::vector<std::string> categories = {"DeviceControl", "ImageFormatControl",
+                                         "AcquisitionControl", "AnalogControl",
+                                         "TransportLayerControl"};
+  if (settings.chunks) categories.push_back("ChunkDataControl");
   return fmt::format(
              "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n"
              "<RegisterDescription ModelName=\"{}\" VendorName=\"{}\" StandardNameSpace=\"None\"\n"
@@ -167,10 +212,8 @@ std::string GigeDescription(const GigeCameraSettings& settings) {
              "    ProductGuid=\"0\" VersionGuid=\"0\"\n"
              "    xmlns=\"http://www.genicam.org/GenApi/Version_1_1\">\n",
              settings.model, settings.vendor) +
-         Category("Root", {"DeviceControl", "ImageFormatControl", "AcquisitionControl",
-                           "AnalogControl", "TransportLayerControl"}) +
-         Device(settings) + Image(settings) + Acquisition(settings) + Analog(settings) +
-         Transport() +
+         Category("Root", categories) + Device(settings) + Image(settings) + Acquisition(settings) +
+         Analog(settings) + Transport(settings) + (settings.chunks ? ChunkData() : "") +
          "<Port Name=\"Device\" NameSpace=\"Standard\"></Port>\n</RegisterDescription>\n";
 }
 

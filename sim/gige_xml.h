@@ -10,9 +10,10 @@
 
 namespace gonio {
 
-// Addresses in the fake camera's memory of 64 KiB: those below 0x1000 it knows itself, the others
+// Addresses in GigeMemory: those below 0x1000 have their meaning at power-up already, the others
 // are ours.
 struct GigeRegisters {
+  static constexpr std::uint32_t kAddress = 0x24;   // IPv4, of the camera
   static constexpr std::uint32_t kVendor = 0x48;    // text of 32 bytes
   static constexpr std::uint32_t kModel = 0x68;     // 32
   static constexpr std::uint32_t kFirmware = 0x88;  // 32
@@ -37,6 +38,25 @@ struct GigeRegisters {
   static constexpr std::uint32_t kGainAuto = 0x800C;     // 0 off, 1 continuous
   static constexpr std::uint32_t kExposureAuto = 0x8010;
   static constexpr std::uint32_t kTriggerSelector = 0x8014;
+  static constexpr std::uint32_t kChunkMode = 0x8018;
+  static constexpr std::uint32_t kChunkSelector = 0x801C;
+  static constexpr std::uint32_t kChunkEnable =
+      0x8020;  // and the next: one per entry of the selector
+  static constexpr std::uint32_t kCapability = 0x934;  // of the control channel
+  static constexpr std::uint32_t kCanResend = 0x4;     // of kCapability
+  // The stream channel.
+  static constexpr std::uint32_t kStreamPort = 0xD00;  // of the client; lower 16 bits
+  static constexpr std::uint32_t kPacketSize = 0xD04;  // bytes; lower 16 bits
+  static constexpr std::uint32_t kStreamAddress = 0xD18;
+};
+
+// Numbers of the chunks that follow an image.
+struct GigeChunks {
+  static constexpr std::uint32_t kImage = 0x1;
+  static constexpr std::uint32_t kExposure = 0xA1;  // us, a double
+  static constexpr std::uint32_t kGain = 0xA2;      // dB, a double
+  static constexpr std::uint32_t kBytes = 8;        // of each number
+  static constexpr std::uint32_t kEndBytes = 8;     // that follow the data of each chunk
 };
 
 std::string GigeDescription(const GigeCameraSettings& settings);

@@ -17,13 +17,10 @@
 namespace gonio {
 namespace {
 
-// Of the machine's time, that an exposure of the double may take: its client takes a longer silence
-// for a loss.
-constexpr double kLongestSilence = 1.5;
 constexpr std::uint64_t kSeed = 1;
 constexpr std::uint64_t kCameraStream = 20;
 
-GigeCameraSettings SettingsOf(const RigFile& file, double speed) {
+GigeCameraSettings SettingsOf(const RigFile& file, const CameraDoubleOptions& options) {
   const CameraInfo& camera = file.config.camera;
   const GenicamSettings& genicam = file.config.camera_device.genicam;
   GigeCameraSettings settings;
@@ -35,7 +32,9 @@ GigeCameraSettings SettingsOf(const RigFile& file, double speed) {
       std::max(1, static_cast<int>(std::floor(1e6 * camera.min_exposure.count())));
   settings.max_exposure_us = static_cast<int>(std::ceil(1e6 * camera.max_exposure.count()));
   settings.temperature_c = file.simulation.temperature_c.value_or(settings.temperature_c);
-  settings.rate = std::max(speed, camera.max_exposure.count() / kLongestSilence);
+  settings.rate = options.speed;
+  settings.late_frames = options.late_frames;
+  settings.chunks = options.chunk_data;
   return settings;
 }
 
@@ -95,7 +94,7 @@ std::unique_ptr<GigeCamera> ServeCamera(const RigFile& file, const DeviceBench& 
     throw ConfigError(device.where +
                       ": a double can be served on loopback only: address: 127.0.0.1");
   }
-  const GigeCameraSettings settings = SettingsOf(file, options.speed);
+  const GigeCameraSettings settings = SettingsOf(file, options);
   const auto scene = std::make_shared<Scene>(file, settings, bench, sample);
   const auto log = OpenLog(options.frames_log);
   auto camera = GigeCamera::Serve(

@@ -16,6 +16,8 @@ namespace gonio {
 
 struct CameraDoubleOptions {
   double speed = 1;                  // of the bench
+  int late_frames = 0;               // as GigeCameraSettings
+  bool chunk_data = false;           // whether its frames say how they were taken
   std::filesystem::path frames_log;  // a line per exposure: SHA-256 of its counts, seconds; or none
 };
 

@@ -241,6 +241,9 @@ Action SetUpPrior(CLI::App& app) {
 
 Action SetUpDevices(CLI::App& app) {
   auto o = std::make_shared<DevicesOptions>();
+  app.add_option("--gige-address", o->gige_addresses, "Ask the GigE Vision camera there, too");
+  app.add_flag("--gige", o->gige,
+               "Search for GigE Vision cameras, too: a broadcast on every network interface");
   app.add_option("--json", o->json, "Write the same as JSON (-: to standard output)");
   return [o] { return DevicesCommand(*o); };
 }
@@ -259,6 +262,13 @@ Action SetUpSimDevices(CLI::App& app) {
   app.add_option("--packet-loss-percent", o->packet_loss_percent,
                  "Packets of images that never arrive")
       ->check(CLI::Range(0.0, 100.0))
+      ->group(kDouble);
+  app.add_option("--camera-late-frames", o->camera_late_frames,
+                 "Frames after a change of the exposure time that still have the one before")
+      ->check(CLI::Range(0, 10))
+      ->group(kDouble);
+  app.add_flag("--camera-chunk-data", o->camera_chunk_data,
+               "Its frames say how they were taken, as chunk data")
       ->group(kDouble);
   app.add_option("--camera-gone-after", o->camera_gone_after,
                  "Exposures after which it is unplugged (default: never)")
@@ -280,8 +290,8 @@ Action SetUpSimDevices(CLI::App& app) {
 Action SetUpDoctor(CLI::App& app) {
   auto o = std::make_shared<DoctorOptions>();
   app.add_option("--rig", o->rig,
-                 "Rig file whose ports are opened and closed again; boards that reset when their "
-                 "port is opened do");
+                 "Rig file whose ports are opened and closed again (boards that reset when their "
+                 "port is opened do), and whose camera the system must be ready for");
   app.add_option("--json", o->json, "Write the same as JSON (-: to standard output)");
   return [o] { return DoctorCommand(*o); };
 }

@@ -183,7 +183,9 @@ struct PriorLearnOptions {
 int PriorLearnCommand(const PriorLearnOptions& options);
 
 struct DevicesOptions {
-  std::filesystem::path json;  // empty: none; "-": instead of the table
+  std::vector<std::string> gige_addresses;  // of GigE Vision cameras, which are asked
+  bool gige = false;                        // all others are searched for by a broadcast
+  std::filesystem::path json;               // empty: none; "-": instead of the table
 };
 int DevicesCommand(const DevicesOptions& options);
 
@@ -195,6 +197,8 @@ struct SimDevicesOptions {
 
   // Of a double of the rig's camera.
   double packet_loss_percent = 0;
+  int camera_late_frames = 0;        // that a change of the exposure time takes to be in force
+  bool camera_chunk_data = false;    // its frames say how they were taken
   int camera_gone_after = 0;         // exposures, after which it is unplugged; 0: never
   double camera_gone_for_s = 0;      // until it is plugged in again; 0: for good
   std::filesystem::path frames_log;  // SHA-256 of every frame's counts as it was sent; empty: none

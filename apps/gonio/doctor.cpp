@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/gonio/build_rig.h"
+#include "apps/gonio/camera_checks.h"
 #include "apps/gonio/commands.h"
 #include "apps/gonio/doctor_checks.h"
 #include "apps/gonio/json_file.h"
@@ -44,8 +45,12 @@ nlohmann::json ToJson(const std::vector<Finding>& findings) {
 int DoctorCommand(const DoctorOptions& options) {
   std::vector<Finding> findings = CheckSerialPorts();
   Append(findings, CheckUsbInstruments());
-  if (!options.rig.empty())
-    Append(findings, CheckPortsOf(LoadRig(LocateConfig(options.rig)).config));
+  Append(findings, CheckUsbCameras());
+  if (!options.rig.empty()) {
+    const RigConfig rig = LoadRig(LocateConfig(options.rig)).config;
+    Append(findings, CheckPortsOf(rig));
+    Append(findings, CheckCameraOf(rig));
+  }
   if (options.json != "-") {
     for (const Finding& finding : findings) {
       fmt::print("{:5}  {}: {}\n", NameOf(finding.kind), finding.subject, finding.what);

@@ -2,14 +2,13 @@
 #include "apps/gonio/doctor_checks.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <system_error>
 
+#include "apps/gonio/system_files.h"
 #include "drivers/permission.h"
 #include "drivers/serial_port.h"
 
@@ -19,30 +18,12 @@ namespace {
 namespace fs = std::filesystem;
 using Kind = Finding::Kind;
 
-// One line of the system's about a device, without its end; empty if it does not say.
-std::string Attribute(const fs::path& file) {
-  std::ifstream in(file);
-  std::string line;
-  std::getline(in, line);
-  return line;
-}
-
-std::vector<fs::path> Entries(const fs::path& dir) {
-  std::vector<fs::path> entries;
-  std::error_code absent;
-  for (const auto& entry : fs::directory_iterator(dir, absent)) entries.push_back(entry.path());
-  std::sort(entries.begin(), entries.end());
-  return entries;
-}
-
-bool MayOpen(const fs::path& node) { return ::access(node.c_str(), R_OK | W_OK) == 0; }
-
 // FTDI's adapters keep what they have for so long before they hand it over, 16 ms unless told
 // otherwise, which every exchange then takes.
 std::optional<Finding> CheckLatency(const std::string& port) {
   const fs::path file =
       fs::path("/sys/bus/usb-serial/devices") / fs::path(port).filename() / "latency_timer";
-  const std::string milliseconds = Attribute(file);
+  const std::string milliseconds = SystemAttribute(file);
   if (milliseconds.empty() || milliseconds == "1") return std::nullopt;
   return Finding{Kind::kHint, port,
                  fmt::format("its adapter holds answers back for {} ms; {}, or: echo 1 > {}",
@@ -57,8 +38,8 @@ Finding CheckPort(const SerialPortInfo& port) {
 
 // An interface of the USB test and measurement class.
 bool IsInstrument(const fs::path& interface) {
-  return Attribute(interface / "bInterfaceClass") == "fe" &&
-         Attribute(interface / "bInterfaceSubClass") == "03";
+  return SystemAttribute(interface / "bInterfaceClass") == "fe" &&
+         SystemAttribute(interface / "bInterfaceSubClass") == "03";
 }
 
 std::string DriverOf(const fs::path& interface) {
@@ -68,13 +49,10 @@ std::string DriverOf(const fs::path& interface) {
 }
 
 Finding CheckInstrument(const fs::path& device, const fs::path& interface) {
-  const auto number = [&](const char* name) { return std::atoi(Attribute(device / name).c_str()); };
-  const std::string node =
-      fmt::format("/dev/bus/usb/{:03d}/{:03d}", number("busnum"), number("devnum"));
   const std::string subject =
-      fmt::format("USB {}:{} {}", Attribute(device / "idVendor"), Attribute(device / "idProduct"),
-                  Attribute(device / "serial"));
-  if (!MayOpen(node)) return {Kind::kWrong, subject, kNoUsbPermission};
+      fmt::format("USB {}:{} {}", SystemAttribute(device / "idVendor"),
+                  SystemAttribute(device / "idProduct"), SystemAttribute(device / "serial"));
+  if (!MayOpen(fs::path("/") / UsbNode(device))) return {Kind::kWrong, subject, kNoUsbPermission};
   const std::string driver = DriverOf(interface);
   if (driver == "usbtmc") {
     return {Kind::kHint, subject,
@@ -84,7 +62,7 @@ Finding CheckInstrument(const fs::path& device, const fs::path& interface) {
   if (!driver.empty() && driver != "usbfs") {
     return {Kind::kWrong, subject, fmt::format("the driver {} has it", driver)};
   }
-  return {Kind::kFine, subject, Attribute(device / "product")};
+  return {Kind::kFine, subject, SystemAttribute(device / "product")};
 }
 
 }  // namespace
@@ -100,12 +78,9 @@ std::vector<Finding> CheckSerialPorts() {
 
 std::vector<Finding> CheckUsbInstruments() {
   std::vector<Finding> findings;
-  for (const fs::path& interface : Entries("/sys/bus/usb/devices")) {
+  for (const fs::path& interface : SystemEntries("/sys/bus/usb/devices")) {
     if (!IsInstrument(interface)) continue;
-    // "1-2:1.0" is an interface of the device "1-2", beside it in the list.
-    const std::string name = interface.filename().string();
-    findings.push_back(
-        CheckInstrument(interface.parent_path() / name.substr(0, name.find(':')), interface));
+    findings.push_back(CheckInstrument(UsbDeviceOf(interface), interface));
   }
   if (findings.empty()) {
     findings.push_back({Kind::kHint, "USB instruments", "none; is the light or the monitor on?"});

@@ -62,7 +62,7 @@ void RecordWires(const LinkLog& wires, const SessionSummary& summary, EventLog& 
   }
 }
 
-// "612 frames, 14 taken again (13 missing packets, 1 none), found again 0 times".
+// "612 frames, 14 taken again (13 missing packets, 1 none), 3 of earlier settings, ...".
 std::string TextOf(const GenicamCounters& counters) {
   std::string bad;
   for (const auto& [what, count] : counters.bad) {
@@ -70,8 +70,9 @@ std::string TextOf(const GenicamCounters& counters) {
   }
   if (!bad.empty()) bad += ")";
   return fmt::format(
-      "{} frames, {} taken again{}, {} discarded after a change, lost and found {} times",
-      counters.frames, counters.retries, bad, counters.discarded, counters.reopened);
+      "{} frames, {} taken again{}, {} that were taken with earlier settings, {} discarded after a "
+      "change, lost and found {} times",
+      counters.frames, counters.retries, bad, counters.late, counters.discarded, counters.reopened);
 }
 
 void FitAndPrint(const SessionSummary& summary, const SessionSetup& setup, const fs::path& out) {

@@ -97,6 +97,8 @@ void RefuseWithoutCamera(const SimDevicesOptions& options) {
   const std::string why = ": the camera of " + options.rig + " is simulated by the command itself";
   if (!options.material.empty()) throw ConfigError("--material" + why + ", give it there");
   if (options.packet_loss_percent > 0) throw ConfigError("--packet-loss-percent" + why);
+  if (options.camera_late_frames > 0) throw ConfigError("--camera-late-frames" + why);
+  if (options.camera_chunk_data) throw ConfigError("--camera-chunk-data" + why);
   if (options.camera_gone_after > 0) throw ConfigError("--camera-gone-after" + why);
   if (!options.frames_log.empty()) throw ConfigError("--frames-log" + why);
 }
@@ -114,7 +116,9 @@ int SimDevicesCommand(const SimDevicesOptions& options) {
     RefuseWithoutCamera(options);
   } else {
     sample = OpenAny(LocateConfig(options.material.empty() ? kDefaultMaterial : options.material));
-    camera = ServeCamera(file, bench, *sample, {options.speed, options.frames_log});
+    camera = ServeCamera(
+        file, bench, *sample,
+        {options.speed, options.camera_late_frames, options.camera_chunk_data, options.frames_log});
     camera->SetPacketLoss(options.packet_loss_percent / 100);
     if (options.camera_gone_after > 0) {
       trouble = std::jthread([&](std::stop_token stop) { TroubleCamera(*camera, options, stop); });

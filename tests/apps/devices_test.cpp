@@ -3,7 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "sim/gige_camera.h"
 #include "tests/apps/gonio_process.h"
+#include "tests/genicam/own_network.h"
 
 namespace gonio {
 namespace {
@@ -75,6 +77,62 @@ TEST_F(Devices, FailsWhereTheSystemDoesNotTell) {
   File("adapter.umockdev", "P: /devices/nothing\nE: SUBSYSTEM=usb\n");
   const Finished finished = Shell("umockdev-run --device adapter.umockdev -- \"$GONIO\" devices");
   ExpectRefused(finished, 1, {"serial ports cannot be listed: No such file or directory"});
+}
+
+// A GigE Vision camera on this machine's loopback.
+class GigeDevices : public Devices {
+ protected:
+  static void SetUpTestSuite() {
+    static const bool once = (EnterOwnNetwork(), true);
+    (void)once;
+  }
+  void Serve() {
+    auto served = GigeCamera::Serve({}, [](const GigeExposure&, std::vector<std::uint16_t>&) {});
+    ASSERT_TRUE(served.ok()) << served.error().message;
+    camera_ = std::move(served).value();
+  }
+  nlohmann::json Cameras(const std::string& arguments) {
+    return nlohmann::json::parse(WithAdapter(kAdapter, "--json - " + arguments)).at("cameras");
+  }
+
+ private:
+  std::unique_ptr<GigeCamera> camera_;
+};
+
+// Example failure is a search that nobody asked for: it goes out on every network of a lab.
+TEST_F(GigeDevices, AreAskedOnlyWhenTheyAreNamed) {
+  Serve();
+  EXPECT_EQ(Cameras("").size(), 0u);
+  const auto cameras = Cameras("--gige-address 127.0.0.1");
+  ASSERT_EQ(cameras.size(), 1u);
+  EXPECT_EQ(cameras[0].at("protocol"), "GigEVision");
+  EXPECT_EQ(cameras[0].at("vendor"), "Goniopilot");
+  EXPECT_EQ(cameras[0].at("model"), "GigE double");
+  EXPECT_EQ(cameras[0].at("serial"), "GP0001");
+  EXPECT_EQ(cameras[0].at("address"), "127.0.0.1");
+  EXPECT_THAT(WithAdapter(kAdapter, "--gige-address 127.0.0.1"),
+              HasSubstr("GigEVision       GP0001               127.0.0.1       Goniopilot GigE "
+                        "double\n"));
+}
+
+TEST_F(GigeDevices, AreSearchedForOnDemand) {
+  if (!in_own_network) GTEST_SKIP() << "a search would go out on the network";
+  Serve();
+  const auto cameras = Cameras("--gige");
+  ASSERT_EQ(cameras.size(), 1u);
+  EXPECT_EQ(cameras[0].at("serial"), "GP0001");
+  EXPECT_EQ(cameras[0].at("address"), "127.0.0.1");
+}
+
+TEST_F(GigeDevices, SayWhereNoneAnswers) {
+  File("adapter.umockdev", kAdapter);
+  for (const auto& [address, words] : {std::pair{"127.0.0.1", "no camera at 127.0.0.1"},
+                                       std::pair{"camera.lab", "camera.lab is no IPv4 address"}}) {
+    ExpectRefused(Shell(std::string("umockdev-run --device adapter.umockdev -- \"$GONIO\" devices "
+                                    "--gige-address ") +
+                        address),
+                  1, {words});
+  }
 }
 
 }  // namespace

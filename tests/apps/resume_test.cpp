@@ -22,7 +22,7 @@ class Resume : public GonioTest {
   // A session of eight poses that was stopped by a full disk after some of them.
   void Interrupt(const std::string& arguments) {
     const Finished full = Shell(
-        "trap '' XFSZ; ulimit -f 130; \"$GONIO\" run --max-poses 8 --quiet "
+        "trap '' XFSZ; ulimit -f 340; \"$GONIO\" run --max-poses 8 --quiet "
         "--out s " +
         arguments);
     ASSERT_EQ(full.code, 1) << full.err;

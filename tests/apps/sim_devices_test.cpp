@@ -106,6 +106,27 @@ TEST_F(SimCameraDevices, ASessionGetsOverLostPackets) {
   ExpectOnlyFramesThatWereSent();
 }
 
+// Twice as late as the default without chunk data allows for. Example failure is a sample that is
+// too bright because its frame had the exposure before.
+TEST_F(SimCameraDevices, ASessionTakesNoFrameForOneOfAnotherExposure) {
+  File("grey.yaml", kGrey);
+  const Finished finished = OnBench(
+      "bench-camera.yaml --material grey.yaml --camera-late-frames 2 --camera-chunk-data "
+      "--frames-log frames.log",
+      "\"$GONIO\" run --rig bench-camera.yaml --max-poses 4 --out session");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_THAT(finished.out, HasSubstr(" that were taken with earlier settings"));
+  EXPECT_THAT(finished.out, testing::Not(HasSubstr(" 0 that were taken with earlier settings")));
+  ExpectOnlyFramesThatWereSent();
+  const SessionRecord record = ReadSession(work() / "session");
+  ASSERT_EQ(record.poses.size(), 4u);
+  for (const MeasuredPose& pose : record.poses) {
+    const BrdfSample& sample = pose.samples.front();
+    const Rgb miss = (sample.f_r - Rgb(0.2, 0.4, 0.6) / kPi) / sample.sigma;
+    EXPECT_LT(miss.abs().maxCoeff(), 5) << sample.f_r;
+  }
+}
+
 TEST_F(SimCameraDevices, ASessionGoesOnWhenItsCameraComesBack) {
   File("grey.yaml", kGrey);
   const Finished finished = OnBench(
@@ -133,8 +154,8 @@ TEST_F(SimCameraDevices, ASessionEndsWholeWhenItsCameraStaysAway) {
 }
 
 TEST_F(SimDevices, RefusesTroubleForACameraThatIsNotThere) {
-  for (const char* option :
-       {"--packet-loss-percent 1", "--camera-gone-after 3", "--frames-log f"}) {
+  for (const char* option : {"--packet-loss-percent 1", "--camera-gone-after 3",
+                             "--camera-late-frames 1", "--camera-chunk-data", "--frames-log f"}) {
     ExpectRefused(OnBench(std::string("bench-wire.yaml ") + option, "true"), 2,
                   {"the camera of bench-wire.yaml is simulated by the command itself"});
   }

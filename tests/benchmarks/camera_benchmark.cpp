@@ -3,8 +3,7 @@
 //
 //   build/release/bin/gonio_camera_benchmarks
 //
-// BM_Capture: one software trigger and its frame (items per second: frames per second). It is
-// Aravis' fake camera that sets the pace: it looks for triggers 500 times a second. BM_Idle:
+// BM_Capture: one software trigger and its frame (items per second: frames per second). BM_Idle:
 // seconds of CPU that an armed camera and its double take per second without a trigger, as
 // `cpu_share`.
 #include <benchmark/benchmark.h>

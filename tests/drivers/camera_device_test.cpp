@@ -38,6 +38,7 @@ TEST(CameraDevice, HasDefaults) {
   EXPECT_FALSE(device.genicam.black_level.has_value());
   EXPECT_EQ(device.genicam.retries, 8);
   EXPECT_EQ(device.genicam.discarded_on_change, 1);
+  EXPECT_TRUE(device.genicam.chunk_data);
 }
 
 TEST(CameraDevice, HasAllThatCanBeSaid) {
@@ -45,7 +46,8 @@ TEST(CameraDevice, HasAllThatCanBeSaid) {
       "{driver: genicam, address: 192.168.1.20, pixel_format: BayerRG12p, offset_x_px: 8,"
       " offset_y_px: 4, gain_db: 6.5, gain_raw_step_db: 0.0359, black_level_counts: 16,"
       " trigger_line: Line1, packet_size_bytes: 9000, longest_readout_s: 0.02, late_s: 1,"
-      " retries: 5, discarded_first: 2, discarded_on_change: 0, reopen_s: 30}");
+      " retries: 5, discarded_first: 2, discarded_on_change: 0, chunk_data: false,"
+      " reopen_s: 30}");
   const GenicamSettings& settings = device.genicam;
   EXPECT_EQ(settings.address, "192.168.1.20");
   EXPECT_EQ(settings.pixel_format, "BayerRG12p");
@@ -61,6 +63,7 @@ TEST(CameraDevice, HasAllThatCanBeSaid) {
   EXPECT_EQ(settings.retries, 5);
   EXPECT_EQ(settings.discarded_first, 2);
   EXPECT_EQ(settings.discarded_on_change, 0);
+  EXPECT_FALSE(settings.chunk_data);
   EXPECT_DOUBLE_EQ(settings.reopen_limit.count(), 30);
 }
 

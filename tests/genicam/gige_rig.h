@@ -18,13 +18,29 @@ namespace gonio {
 // What the double shows: different at each pixel, and proportional to exposure and gain.
 inline int GigeCount(const GigeExposure& settings, std::size_t index) {
   const double light = 1e4 * settings.exposure.count() * std::pow(10, settings.gain_db / 20);
-  return static_cast<int>(light + settings.black_level + index % 101 + 3 * settings.x +
+  return static_cast<int>(std::lround(light) + settings.black_level + index % 101 + 3 * settings.x +
                           7 * settings.y) %
          (settings.full_scale + 1);
 }
 inline void ShowCounts(const GigeExposure& settings, std::vector<std::uint16_t>& counts) {
   for (std::size_t i = 0; i < counts.size(); ++i) {
     counts[i] = static_cast<std::uint16_t>(GigeCount(settings, i));
+  }
+}
+
+// Whether the frame's counts are those of the exposure that it says, from a driver with
+// DriverSettings(). Counts of 64 x 48 Mono12 pixels.
+inline void ExpectRightCounts(const Frame& frame) {
+  const GigeExposure expected{.exposure = frame.exposure,
+                              .gain_db = frame.gain_db,
+                              .black_level = frame.black_level,
+                              .width = frame.width,
+                              .height = frame.height,
+                              .full_scale = 4095,
+                              .pixel_format = "Mono12"};
+  ASSERT_EQ(frame.counts.size(), expected.counts());
+  for (std::size_t i = 0; i < frame.counts.size(); ++i) {
+    ASSERT_EQ(frame.counts[i], GigeCount(expected, i)) << i;
   }
 }
 
