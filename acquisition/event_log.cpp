@@ -81,6 +81,39 @@ json BudgetOf(const ReducedSample& reduced) {
   return terms;
 }
 
+// Null where nothing was measured.
+json ColoursOf(const Rgb& values) {
+  json colours = json::array();
+  for (const double value : values) colours.push_back(std::isfinite(value) ? json(value) : json());
+  return colours;
+}
+
+// What the devices said and what was made of it; exposures as they are in their table, counts as
+// means over the region.
+json BodyOf(const ReferenceRecord& visit) {
+  const PoseRecord& record = visit.record;
+  json frames = json::array();
+  for (std::size_t k = 0; k < record.exposures.size(); ++k) {
+    const Exposure& e = record.exposures[k];
+    frames.push_back({{"exposure_s", e.frame.exposure.count()},
+                      {"start_s", e.frame.start.count()},
+                      {"monitor", e.monitor},
+                      {"saturated", e.saturated},
+                      {"mean_counts", ColoursOf(visit.net[k])}});
+  }
+  return {{"visit", visit.visit},
+          {"poses", visit.poses},
+          {"readback_rad", record.readback},
+          {"frames", frames},
+          {"time_s", visit.read.time.count()},
+          {"signal_per_sr", ColoursOf(visit.read.signal)},
+          {"sigma_per_sr", ColoursOf(visit.read.sigma)},
+          {"ratio", ColoursOf(visit.ratio)},
+          {"ratio_sigma", ColoursOf(visit.ratio_sigma)},
+          {"gain", ColoursOf(visit.gain.value)},
+          {"gain_sigma", ColoursOf(visit.gain.sigma)}};
+}
+
 void CreateTables(sqlite::Database& db) {
   db.Execute(kSessionSchema);
   constexpr const char* kRefuse =
@@ -280,6 +313,10 @@ Result<void> EventLog::AppendRejection(Seconds time, const Proposal& proposal, c
   body["reason"] = proposal.reason;
   body["message"] = error.message;
   return impl_->Write([&] { impl_->InsertEvent(time, "pose_rejected", body); });
+}
+
+Result<void> EventLog::AppendReference(const ReferenceRecord& visit) {
+  return impl_->Write([&] { impl_->InsertEvent(visit.record.end, "reference", BodyOf(visit)); });
 }
 
 Result<void> EventLog::AppendError(Seconds time, const Error& error) {

@@ -12,6 +12,7 @@
 
 #include "acquisition/measure.h"
 #include "acquisition/radiometry.h"
+#include "acquisition/reference_visits.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
 #include "core/error.h"
@@ -91,6 +92,8 @@ class EventLog {
   // What Reduce() made of it at `time`. Precondition: AppendPose() of the same pose.
   Result<void> AppendSamples(int pose, Seconds time, const std::vector<ReducedSample>& samples);
   Result<void> AppendRejection(Seconds time, const Proposal& proposal, const Error& error);
+  // A visit to the reference pose (acquisition/drift.h): no pose of the session.
+  Result<void> AppendReference(const ReferenceRecord& visit);
   Result<void> AppendError(Seconds time, const Error& error);
   // Anything else that happened: one word and one line.
   Result<void> AppendNote(Seconds time, const std::string& kind, const std::string& message);

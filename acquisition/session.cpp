@@ -7,6 +7,7 @@
 
 #include "acquisition/measure.h"
 #include "acquisition/radiometry.h"
+#include "acquisition/reference_visits.h"
 #include "core/check.h"
 
 namespace gonio {
@@ -36,7 +37,8 @@ class Session {
         progress_(progress),
         calibrations_(parts.calibrations != nullptr ? *parts.calibrations : kNoCalibrations),
         measurer_(parts.rig, parts.devices, parts.clock,
-                  calibrations_.bad_pixels ? &calibrations_.bad_pixels->mask : nullptr) {}
+                  calibrations_.bad_pixels ? &calibrations_.bad_pixels->mask : nullptr),
+        references_(parts.rig, calibrations_) {}
 
   SessionSummary Run() {
     const LightOffAtEnd light_off(*parts_.devices.light);
@@ -75,6 +77,7 @@ class Session {
     if (stop_.after_pose.stop_requested()) {
       return End(SessionOutcome::kStopped, "stopped by the user");
     }
+    if (references_.Due(pose_count(), parts_.clock.Now()) && !VisitReference()) return false;
     const std::optional<Proposal> proposal = parts_.planner.Next();
     if (!proposal) return End(SessionOutcome::kComplete, parts_.planner.reason());
 
@@ -90,8 +93,10 @@ class Session {
   bool Take(const Proposal& proposal, const PoseRecord& record) {
     const PoseNote note{pose_count() + 1, proposal, parts_.planner.PredictedError()};
     if (!Kept([&](EventLog& log) { return log.AppendPose(note, record); })) return false;
-    const auto reduced = Reduce(record, parts_.rig, calibrations_);
+    auto reduced = Reduce(record, parts_.rig, calibrations_);
     if (!reduced) return EndWith(reduced.error());
+    references_.Correct(record.end, &*reduced);
+    references_.Offer(proposal.directions);
     if (!Kept([&](EventLog& log) { return log.AppendSamples(note.pose, record.end, *reduced); })) {
       return false;
     }
@@ -100,13 +105,38 @@ class Session {
     parts_.planner.Observe(proposal, samples.front());
     for (std::size_t i = 1; i < samples.size(); ++i) parts_.planner.AlsoObserve(samples[i]);
     rejections_in_a_row_ = 0;
-    summary_.travel += record.move_time;
     summary_.frames += static_cast<int>(record.exposures.size());
+    CountTime(record);
+    summary_.poses.push_back({samples, record.end, parts_.planner.PredictedError()});
+    return true;
+  }
+
+  // A visit that is refused is tried again when the next is due, but the first one must succeed.
+  bool VisitReference() {
+    const auto visit = references_.Visit(measurer_, pose_count(), stop_.now);
+    if (!visit && visit.error().code == ErrorCode::kRefused && references_.visits() > 0) {
+      return Warn("reference_refused", "reference: " + visit.error().message);
+    }
+    if (!visit) return EndWith({visit.error().code, "reference: " + visit.error().message});
+    if (!Kept([&](EventLog& log) { return log.AppendReference(*visit); })) return false;
+    CountTime(visit->record);
+    summary_.reference_visits = references_.visits();
+    const std::string complaint = references_.Complaint(visit->record.end);
+    if (complaint.empty()) return true;
+    if (parts_.rig.drift.stop) return EndWith({ErrorCode::kRefused, complaint});
+    return Warn("drift_exceeded", complaint);
+  }
+
+  bool Warn(const char* kind, const std::string& message) {
+    summary_.warnings.push_back(message);
+    return Kept([&](EventLog& log) { return log.AppendNote(parts_.clock.Now(), kind, message); });
+  }
+
+  void CountTime(const PoseRecord& record) {
+    summary_.travel += record.move_time;
     for (const Exposure& exposure : record.exposures) {
       summary_.exposing += exposure.frame.exposure + parts_.rig.camera.readout;
     }
-    summary_.poses.push_back({samples, record.end, parts_.planner.PredictedError()});
-    return true;
   }
 
   bool Reject(const Proposal& proposal, const Error& error) {
@@ -156,6 +186,7 @@ class Session {
       (void)StopAll(parts_.devices).ok();
     }
     summary_.duration = parts_.clock.Now() - begin_;
+    summary_.gain = references_.At(parts_.clock.Now());
     summary_.predicted_error = parts_.planner.PredictedError();
     if (summary_.outcome == SessionOutcome::kStorageFailed) return;
     const SessionEnd end{.outcome = ToString(summary_.outcome),
@@ -173,6 +204,7 @@ class Session {
   const ProgressFunction& progress_;
   const Calibrations& calibrations_;
   PoseMeasurer measurer_;
+  ReferenceVisits references_;
   Seconds begin_{0};
   int rejections_in_a_row_ = 0;
   SessionSummary summary_;

@@ -77,6 +77,9 @@ struct SessionSummary {
   Seconds travel{0};       // of it: axes moving
   Seconds exposing{0};     // of it: exposures and their read-out
   std::vector<SessionPose> poses;
+  int reference_visits = 0;
+  Gain gain;                              // of the instrument at the end; 1 without visits
+  std::vector<std::string> warnings;      // one line each
   std::optional<double> predicted_error;  // the planner's, at the end
 
   std::vector<BrdfSample> Samples() const;
@@ -93,6 +96,10 @@ struct SessionSummary {
 //      goes on; any other error ends it.
 //   4. Once the log fails, no further pose is measured and the planner learns nothing more.
 //   5. The same rig, devices, planner and clock give the same poses, with or without a log.
+//
+//   6. With RigConfig::drift samples are divided by the gain that the visits to the reference
+//   before
+//      them tell; the visits are in the log and no samples.
 //
 // One thread.
 SessionSummary RunSession(const SessionParts& parts, const SessionOptions& options,

@@ -55,7 +55,8 @@ SimImage SimCamera::Signal(Seconds start, const SimReadout& readout) {
       sum += seen;
     }
   }
-  return sum *= exposure.count() / steps;
+  const double drift = SlowDrift(truth_.responsivity_drift_per_hour, start);
+  return sum *= exposure.count() / steps * drift;
 }
 
 Result<Frame> SimCamera::Capture(Seconds exposure, std::stop_token stop) {
