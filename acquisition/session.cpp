@@ -3,8 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
+#include "acquisition/bracket_check.h"
 #include "acquisition/measure.h"
 #include "acquisition/radiometry.h"
 #include "acquisition/reference_visits.h"
@@ -26,6 +28,9 @@ class LightOffAtEnd {
 };
 
 const Calibrations kNoCalibrations;
+
+// Of the score of two exposures that do not agree: chance does this once in a million pairs.
+constexpr double kMismatch = 5;
 
 class Session {
  public:
@@ -95,6 +100,7 @@ class Session {
     if (!Kept([&](EventLog& log) { return log.AppendPose(note, record); })) return false;
     auto reduced = Reduce(record, parts_.rig, calibrations_);
     if (!reduced) return EndWith(reduced.error());
+    if (!CheckBracket(record)) return false;
     references_.Correct(record.end, &*reduced);
     references_.Offer(proposal.directions);
     if (!Kept([&](EventLog& log) { return log.AppendSamples(note.pose, record.end, *reduced); })) {
@@ -109,6 +115,17 @@ class Session {
     CountTime(record);
     summary_.poses.push_back({samples, record.end, parts_.planner.PredictedError()});
     return true;
+  }
+
+  // Exposures that are not what they are taken for. Without files nothing says what to expect.
+  bool CheckBracket(const PoseRecord& record) {
+    if (calibrations_.empty()) return true;
+    const auto worst = LeastAgreement(record, parts_.rig, calibrations_);
+    if (!worst) return EndWith(worst.error());
+    if (!*worst || std::abs((*worst)->score()) < kMismatch) return true;
+    return Kept([&](EventLog& log) {
+      return log.AppendNote(record.end, "bracket_mismatch", TextOf(**worst));
+    });
   }
 
   // A visit that is refused is tried again when the next is due, but the first one must succeed.

@@ -40,7 +40,8 @@ SimReadout SimCamera::Readout(Seconds exposure) const {
 }
 
 SimImage SimCamera::Signal(Seconds start, const SimReadout& readout) {
-  const Seconds exposure = readout.exposure;
+  // Of the light; dark current knows nothing of shutters.
+  const Seconds exposure = std::max(Seconds(0), readout.exposure + Seconds(truth_.shutter_offset));
   const bool smeared = scene_->MovingBetween(start, start + exposure);
   const int steps = smeared ? kSmearSteps : 1;
   SimImage sum;

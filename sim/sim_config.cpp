@@ -88,6 +88,7 @@ void ReadTarget(const ConfigNode& node, SimTarget& target) {
 
 void ReadSensor(const ConfigNode& node, SimConfig& sim) {
   sim.sensor_seed = static_cast<std::uint64_t>(node.IntegerOr("sensor_seed", 1, 0));
+  sim.shutter_offset = node.NumberOr("shutter_offset_s", 0, Range::Between(-0.01, 0.01));
   sim.prnu = node.NumberOr("prnu", 0, Range::Between(0, 0.3));
   sim.dsnu = node.NumberOr("dsnu_e", 0, Range::NonNegative());
   sim.dark_spread = node.NumberOr("dark_spread", 0, Range::Between(0, 1));

@@ -69,6 +69,7 @@ struct SimConfig {
   SimArms speed_factor{1, 1, 1, 1};
   SimArms acceleration_factor{1, 1, 1, 1};
   SimArms more_overhead{};
+  double shutter_offset = 0;  // s, of light that exposures get beyond what the camera tells
   double frame_overhead = 0;  // s, of the camera's read-out, more than is believed
 
   // The sensor (sim_sensor.h).

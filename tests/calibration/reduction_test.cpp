@@ -19,6 +19,7 @@ Calibrations NothingNew(const RigConfig& rig, const Camera& camera) {
   same.sensor = SensorCalibration{{rig.radiometry.electrons_per_count, 0},
                                   {rig.radiometry.read_noise, 0},
                                   {20000, 0},
+                                  {0, 0},
                                   Linearity::Identity(rig.camera.full_scale)};
   same.files.push_back({});
   return same;
