@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "acquisition/event_bodies.h"
 #include "acquisition/event_log_sqlite.h"
 #include "acquisition/session_format.h"
 #include "acquisition/session_record.h"
@@ -29,18 +30,6 @@ using nlohmann::json;
 
 std::string UtcNow() {
   return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
-
-json ToJson(const MeasurerState& state) {
-  json body = {{"told_rad", state.told}};
-  if (state.exposure) body["exposure_s"] = state.exposure->count();
-  return body;
-}
-
-json DegreesOf(const HalfDiff& angles) {
-  return {{"theta_h_deg", DegFromRad(angles.theta_h)},
-          {"theta_d_deg", DegFromRad(angles.theta_d)},
-          {"phi_d_deg", DegFromRad(angles.phi_d)}};
 }
 
 std::vector<std::uint8_t> LittleEndian(const std::vector<std::uint16_t>& counts) {
@@ -74,23 +63,6 @@ double Azimuth(const Eigen::Vector3d& v) { return DegFromRad(std::atan2(v.y(), v
 
 double Polar(const Eigen::Vector3d& v) {
   return DegFromRad(AngleBetween(v, Eigen::Vector3d::UnitZ()));
-}
-
-// Each term that is not zero in all colours: [red, green, blue], null where nothing was measured.
-json BudgetOf(const ReducedSample& reduced) {
-  json terms = json::object();
-  for (int i = 0; i < kUncertaintyTerms; ++i) {
-    const auto term = static_cast<UncertaintyTerm>(i);
-    const Rgb& sigma = reduced.budget[term];
-    if ((sigma == 0).all()) continue;
-    json colours = json::array();
-    for (int c = 0; c < kChannels; ++c) {
-      const bool measured = std::isfinite(reduced.sample.sigma[c]) && std::isfinite(sigma[c]);
-      colours.push_back(measured ? json(sigma[c]) : json());
-    }
-    terms[ToString(term)] = colours;
-  }
-  return terms;
 }
 
 void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
@@ -314,10 +286,10 @@ Result<void> EventLog::AppendResume(Seconds time, const ResumeNote& note) {
   });
 }
 
-Result<void> EventLog::AppendReference(Seconds time, const ReferenceNote& note) {
+Result<void> EventLog::AppendResumeReference(Seconds time, const ReferenceNote& note) {
   const auto rgb = [](const Rgb& v) { return json{v[0], v[1], v[2]}; };
   return impl_->Write([&] {
-    impl_->InsertEvent(time, "reference",
+    impl_->InsertEvent(time, "resume_reference",
                        {{"pose", note.pose},
                         {"f_r_before", rgb(note.before.f_r)},
                         {"f_r_now", rgb(note.now.f_r)},
@@ -325,6 +297,12 @@ Result<void> EventLog::AppendReference(Seconds time, const ReferenceNote& note) 
                         {"change", note.change},
                         {"sigma_change", note.sigma_change}});
   });
+}
+
+Result<void> EventLog::AppendReference(const ReferenceRecord& visit, const MeasurerState& after) {
+  json body = BodyOf(visit);
+  body["after"] = ToJson(after);
+  return impl_->Write([&] { impl_->InsertEvent(visit.record.end, "reference", body); });
 }
 
 Result<void> EventLog::AppendError(Seconds time, const Error& error) {

@@ -12,6 +12,7 @@
 
 #include "acquisition/measure.h"
 #include "acquisition/radiometry.h"
+#include "acquisition/reference_visits.h"
 #include "brdf/brdf.h"
 #include "core/clock.h"
 #include "core/error.h"
@@ -123,7 +124,9 @@ class EventLog {
   Result<void> AppendSamples(int pose, Seconds time, const std::vector<ReducedSample>& samples);
   Result<void> AppendRejection(Seconds time, const RejectionNote& note);
   Result<void> AppendResume(Seconds time, const ResumeNote& note);
-  Result<void> AppendReference(Seconds time, const ReferenceNote& note);
+  Result<void> AppendResumeReference(Seconds time, const ReferenceNote& note);
+  // A visit to the reference pose (acquisition/drift.h): no pose of the session.
+  Result<void> AppendReference(const ReferenceRecord& visit, const MeasurerState& after);
   Result<void> AppendError(Seconds time, const Error& error);
   // Anything else that happened: one word and one line.
   Result<void> AppendNote(Seconds time, const std::string& kind, const std::string& message);

@@ -18,23 +18,6 @@ double Square(double x) { return x * x; }
 
 double& At(RegionRate* rate, Term term) { return rate->terms[static_cast<std::size_t>(term)]; }
 
-// The sites of one channel of a region.
-std::vector<std::uint32_t> SitesOf(const SensorFormat& format, const ImageRegion& region,
-                                   int channel) {
-  if (format.layout == PixelLayout::kMono) return region.pixels;
-  std::vector<std::uint32_t> sites;
-  const auto width = static_cast<std::uint32_t>(format.width);
-  for (const std::uint32_t pixel : region.pixels) {
-    if (format.layout == PixelLayout::kRgb) {
-      sites.push_back(kChannels * pixel + static_cast<std::uint32_t>(channel));
-    } else if (BayerChannel(format.layout, static_cast<int>(pixel % width),
-                            static_cast<int>(pixel / width)) == channel) {
-      sites.push_back(pixel);
-    }
-  }
-  return sites;
-}
-
 double MeanOf(const SiteImage& image, const std::vector<std::uint32_t>& sites) {
   double sum = 0;
   for (const std::uint32_t site : sites) sum += image[site];
@@ -149,7 +132,7 @@ class PoseReducer {
     const double n = used;
     const double count = sensor_.gain;
     std::array<double, kUncertaintyTerms> squares{};
-    double dark_error = 0, warmth = 0, linearity = 0;
+    double dark_error = 0, warmth = 0, linearity = 0, lateness = 0;
     for (std::size_t k = 0; sum > 0 && k < frames_.size(); ++k) {
       const CorrectedFrame& frame = frames_[k];
       const double share = weights[k] / sum / frame.gain();  // of an electron in this frame
@@ -168,12 +151,15 @@ class PoseReducer {
       // The same bias and rate in all frames: these add as they are.
       dark_error += share * count * std::sqrt(MeanOf(darks_[k].variance, sites) / n);
       warmth += share * darks_[k].temperature_sigma * current;
+      lateness += share * signal / frame.exposure;
       const auto factor = sensor_.linearity.Factor((signal + current) / count);
       if (factor) linearity += share * signal * factor->sigma;
     }
+    if (calibrations_.sensor) lateness *= calibrations_.sensor->exposure_offset.sigma;
     for (std::size_t i = 0; i < squares.size(); ++i) rate->terms[i] = std::sqrt(squares[i]);
     At(rate, Term::kDark) = std::hypot(dark_error, warmth);
     At(rate, Term::kLinearity) = linearity;
+    At(rate, Term::kExposureRatio) = lateness;
   }
 
   void TakeOffStrayLight(int c, RegionRate* rate) const {
@@ -211,6 +197,22 @@ double RootOfSquares(const RegionRate& rate, bool systematic) {
 
 }  // namespace
 
+std::vector<std::uint32_t> SitesOf(const SensorFormat& format, const ImageRegion& region,
+                                   int channel) {
+  if (format.layout == PixelLayout::kMono) return region.pixels;
+  std::vector<std::uint32_t> sites;
+  const auto width = static_cast<std::uint32_t>(format.width);
+  for (const std::uint32_t pixel : region.pixels) {
+    if (format.layout == PixelLayout::kRgb) {
+      sites.push_back(kChannels * pixel + static_cast<std::uint32_t>(channel));
+    } else if (BayerChannel(format.layout, static_cast<int>(pixel % width),
+                            static_cast<int>(pixel / width)) == channel) {
+      sites.push_back(pixel);
+    }
+  }
+  return sites;
+}
+
 double RegionRate::random() const { return RootOfSquares(*this, false); }
 double RegionRate::systematic() const { return RootOfSquares(*this, true); }
 
@@ -222,6 +224,7 @@ SensorModel SensorModelOf(const RigConfig& rig, const Calibrations& calibrations
   if (calibrations.sensor) {
     model.gain = calibrations.sensor->gain.value;
     model.read_noise = calibrations.sensor->read_noise.value;
+    model.exposure_offset = calibrations.sensor->exposure_offset.value;
     model.linearity = calibrations.sensor->linearity;
   }
   if (calibrations.bad_pixels) model.bad = calibrations.bad_pixels->mask;

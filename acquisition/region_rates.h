@@ -13,6 +13,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "acquisition/calibration/calibrations.h"
@@ -37,6 +38,10 @@ using RegionRates = std::array<RegionRate, kChannels>;
 // or one that the darks do not reach (exposure, temperature).
 Result<std::vector<RegionRates>> MeasureRates(const PoseRecord& pose, const RigConfig& rig,
                                               const Calibrations& calibrations);
+
+// The sites of one channel of a region; of a mono camera those of all channels.
+std::vector<std::uint32_t> SitesOf(const SensorFormat& format, const ImageRegion& region,
+                                   int channel);
 
 // The sensor as the files say, where they do not as the rig does.
 SensorModel SensorModelOf(const RigConfig& rig, const Calibrations& calibrations);

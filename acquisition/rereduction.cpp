@@ -3,13 +3,19 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "acquisition/measure.h"
 
 namespace gonio {
 
 Rereduction::Rereduction(const std::filesystem::path& session, const RigConfig& rig,
-                         const Calibrations& calibrations)
-    : rig_(rig), calibrations_(calibrations), kinematics_(rig), frames_(session) {}
+                         const Calibrations& calibrations, std::vector<LoggedVisit> visits)
+    : rig_(rig),
+      calibrations_(calibrations),
+      visits_(std::move(visits)),
+      kinematics_(rig),
+      frames_(session) {}
 
 PoseRecord Rereduction::RecordOf(const MeasuredPose& pose) {
   const SiteMask* const bad = calibrations_.bad_pixels ? &calibrations_.bad_pixels->mask : nullptr;
@@ -28,7 +34,14 @@ Result<std::vector<ReducedSample>> Rereduction::Of(const MeasuredPose& pose) {
   if (record.regions.empty() || record.exposures.empty()) {
     return Error{ErrorCode::kRefused, fmt::format("pose {}: no frame shows the sample", pose.pose)};
   }
-  return Reduce(record, rig_, calibrations_);
+  auto reduced = Reduce(record, rig_, calibrations_);
+  if (!reduced) return reduced;
+  ReferenceVisits references(rig_, calibrations_);
+  for (const LoggedVisit& visit : visits_) {
+    if (visit.poses < pose.pose) references.Recall(visit);
+  }
+  references.Correct(pose.end, &*reduced);
+  return reduced;
 }
 
 }  // namespace gonio

@@ -9,6 +9,7 @@
 #include "acquisition/calibration/calibrations.h"
 #include "acquisition/kinematics.h"
 #include "acquisition/radiometry.h"
+#include "acquisition/reference_visits.h"
 #include "acquisition/rig.h"
 #include "acquisition/session_frames.h"
 #include "acquisition/session_record.h"
@@ -19,9 +20,10 @@ namespace gonio {
 // gives its samples to the last bit. One thread.
 class Rereduction {
  public:
-  // Keeps references. Throws ConfigError as SessionFrames.
+  // Keeps references. `visits`: to the reference pose, as SessionHistory has them; samples are
+  // corrected by those before them. Throws ConfigError as SessionFrames.
   Rereduction(const std::filesystem::path& session, const RigConfig& rig,
-              const Calibrations& calibrations);
+              const Calibrations& calibrations, std::vector<LoggedVisit> visits);
 
   // What Measure() had returned.
   PoseRecord RecordOf(const MeasuredPose& pose);
@@ -31,6 +33,7 @@ class Rereduction {
  private:
   const RigConfig& rig_;
   const Calibrations& calibrations_;
+  const std::vector<LoggedVisit> visits_;
   const Kinematics kinematics_;
   SessionFrames frames_;
 };

@@ -203,6 +203,7 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   ReadImaging(root, rig);
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));
+  if (root.Has("drift")) rig.drift = ReadDriftPolicy(root.Map("drift"));
   if (root.Has("calibration")) {
     rig.calibration = ReadCalibrationPolicy(root.Map("calibration"));
   }

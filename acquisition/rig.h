@@ -10,6 +10,7 @@
 #include <string>
 
 #include "acquisition/calibration/calibration_kind.h"
+#include "acquisition/drift.h"
 #include "acquisition/keep_out_config.h"
 #include "acquisition/radiometry/sensor.h"
 #include "brdf/brdf.h"
@@ -90,6 +91,7 @@ struct RigConfig {
   MotionConfig motion;
   ExposureConfig exposure;
   RadiometryConfig radiometry;
+  DriftPolicy drift;              // off: no reference is visited
   CalibrationPolicy calibration;  // without a folder: `radiometry` is all that is known
   LightDevice light_device;
   MonitorDevice monitor_device;

@@ -7,8 +7,10 @@
 #include <limits>
 #include <utility>
 
+#include "acquisition/bracket_check.h"
 #include "acquisition/measure.h"
 #include "acquisition/radiometry.h"
+#include "acquisition/reference_visits.h"
 #include "core/check.h"
 
 namespace gonio {
@@ -31,6 +33,8 @@ const Calibrations kNoCalibrations;
 // Numbers of draws beyond those of any pose.
 constexpr std::uint64_t kReferenceDraws = std::uint64_t{1} << 32;
 
+constexpr std::uint64_t kVisitDraws = std::uint64_t{2} << 32;
+
 // By the channel that is known best.
 ReferenceNote Compared(int pose, const BrdfSample& before, const BrdfSample& now) {
   ReferenceNote note{.pose = pose, .before = before, .now = now};
@@ -45,6 +49,9 @@ ReferenceNote Compared(int pose, const BrdfSample& before, const BrdfSample& now
   return note;
 }
 
+// Of the score of two exposures that do not agree: chance does this once in a million pairs.
+constexpr double kMismatch = 5;
+
 class Session {
  public:
   Session(const SessionParts& parts, const SessionOptions& options, const SessionStop& stop,
@@ -55,11 +62,15 @@ class Session {
         progress_(progress),
         calibrations_(parts.calibrations != nullptr ? *parts.calibrations : kNoCalibrations),
         measurer_(parts.rig, parts.devices, parts.clock,
-                  calibrations_.bad_pixels ? &calibrations_.bad_pixels->mask : nullptr) {
+                  calibrations_.bad_pixels ? &calibrations_.bad_pixels->mask : nullptr),
+        references_(parts.rig, calibrations_) {
     if (parts.so_far == nullptr) return;
     summary_ = parts.so_far->summary;
     turn_ = parts.so_far->turns;
     rejections_in_a_row_ = parts.so_far->rejections_in_a_row;
+    for (const LoggedVisit& visit : parts.so_far->visits) references_.Recall(visit);
+    if (parts.so_far->first) references_.Offer(*parts.so_far->first);
+    summary_.reference_visits = references_.visits();
   }
 
   SessionSummary Run() {
@@ -134,10 +145,11 @@ class Session {
     const auto record =
         measurer_.MeasureAt(reference.arms, reference.before.f_r, stop_.now, reference.frames);
     if (!record) return EndWith(record.error());
-    const auto reduced = Reduce(*record, parts_.rig, calibrations_);
+    auto reduced = Reduce(*record, parts_.rig, calibrations_);
     if (!reduced) return EndWith(reduced.error());
+    references_.Correct(record->end, &*reduced);
     const ReferenceNote note = Compared(reference.pose, reference.before, reduced->front().sample);
-    if (!Kept([&](EventLog& log) { return log.AppendReference(record->end, note); })) return false;
+    if (!Kept([&](EventLog& log) { return log.AppendResumeReference(record->end, note); })) return false;
     const double change = std::abs(note.change);
     if (!(change > options_.max_reference_change && change > 4 * note.sigma_change)) return true;
     return EndWith({ErrorCode::kProtocol,
@@ -159,6 +171,7 @@ class Session {
     if (stop_.after_pose.stop_requested()) {
       return End(SessionOutcome::kStopped, "stopped by the user");
     }
+    if (references_.Due(pose_count(), parts_.clock.Now()) && !VisitReference()) return false;
     const std::optional<Proposal> proposal = parts_.planner.Next();
     if (!proposal) return End(SessionOutcome::kComplete, parts_.planner.reason());
 
@@ -176,8 +189,11 @@ class Session {
     const PoseNote note{pose_count() + 1, proposal, parts_.planner.PredictedError(),
                         measurer_.state()};
     if (!Kept([&](EventLog& log) { return log.AppendPose(note, record); })) return false;
-    const auto reduced = Reduce(record, parts_.rig, calibrations_);
+    auto reduced = Reduce(record, parts_.rig, calibrations_);
     if (!reduced) return EndWith(reduced.error());
+    if (!CheckBracket(record)) return false;
+    references_.Correct(record.end, &*reduced);
+    references_.Offer(proposal.directions);
     if (!Kept([&](EventLog& log) { return log.AppendSamples(note.pose, record.end, *reduced); })) {
       return false;
     }
@@ -186,13 +202,50 @@ class Session {
     parts_.planner.Observe(proposal, samples.front());
     for (std::size_t i = 1; i < samples.size(); ++i) parts_.planner.AlsoObserve(samples[i]);
     rejections_in_a_row_ = 0;
-    summary_.travel += record.move_time;
     summary_.frames += static_cast<int>(record.exposures.size());
+    CountTime(record);
+    summary_.poses.push_back({samples, record.end, parts_.planner.PredictedError()});
+    return true;
+  }
+
+  // Exposures that are not what they are taken for. Without files nothing says what to expect.
+  bool CheckBracket(const PoseRecord& record) {
+    if (calibrations_.empty()) return true;
+    const auto worst = LeastAgreement(record, parts_.rig, calibrations_);
+    if (!worst) return EndWith(worst.error());
+    if (!*worst || std::abs((*worst)->score()) < kMismatch) return true;
+    return Kept([&](EventLog& log) {
+      return log.AppendNote(record.end, "bracket_mismatch", TextOf(**worst));
+    });
+  }
+
+  // A visit that is refused is tried again when the next is due, but the first one must succeed.
+  bool VisitReference() {
+    Draw(kVisitDraws + references_.visits());
+    const auto visit = references_.Visit(measurer_, pose_count(), stop_.now);
+    if (!visit && visit.error().code == ErrorCode::kRefused && references_.visits() > 0) {
+      return Warn("reference_refused", "reference: " + visit.error().message);
+    }
+    if (!visit) return EndWith({visit.error().code, "reference: " + visit.error().message});
+    if (!Kept([&](EventLog& log) { return log.AppendReference(*visit, measurer_.state()); })) return false;
+    CountTime(visit->record);
+    summary_.reference_visits = references_.visits();
+    const std::string complaint = references_.Complaint(visit->record.end);
+    if (complaint.empty()) return true;
+    if (parts_.rig.drift.stop) return EndWith({ErrorCode::kRefused, complaint});
+    return Warn("drift_exceeded", complaint);
+  }
+
+  bool Warn(const char* kind, const std::string& message) {
+    summary_.warnings.push_back(message);
+    return Kept([&](EventLog& log) { return log.AppendNote(parts_.clock.Now(), kind, message); });
+  }
+
+  void CountTime(const PoseRecord& record) {
+    summary_.travel += record.move_time;
     for (const Exposure& exposure : record.exposures) {
       summary_.exposing += exposure.frame.exposure + parts_.rig.camera.readout;
     }
-    summary_.poses.push_back({samples, record.end, parts_.planner.PredictedError()});
-    return true;
   }
 
   bool Reject(const Proposal& proposal, const Error& error) {
@@ -251,6 +304,7 @@ class Session {
       (void)StopAll(parts_.devices).ok();
     }
     summary_.duration = parts_.clock.Now() - begin_;
+    summary_.gain = references_.At(parts_.clock.Now());
     summary_.predicted_error = parts_.planner.PredictedError();
     if (summary_.outcome == SessionOutcome::kStorageFailed) return;
     const SessionEnd end{.outcome = ToString(summary_.outcome),
@@ -268,6 +322,7 @@ class Session {
   const ProgressFunction& progress_;
   const Calibrations& calibrations_;
   PoseMeasurer measurer_;
+  ReferenceVisits references_;
   SessionState state_ = SessionState::kUnhomed;
   Seconds begin_{0};
   std::uint64_t turn_ = 0;

@@ -98,6 +98,9 @@ struct SessionSummary {
   Seconds travel{0};       // of it: axes moving
   Seconds exposing{0};     // of it: exposures and their read-out
   std::vector<SessionPose> poses;
+  int reference_visits = 0;
+  Gain gain;                              // of the instrument at the end; 1 without visits
+  std::vector<std::string> warnings;      // one line each
   std::optional<double> predicted_error;  // the planner's, at the end
 
   std::vector<BrdfSample> Samples() const;
@@ -109,6 +112,8 @@ struct SessionSoFar {
   int turns = 0;  // poses asked for, refused ones included
   int rejections_in_a_row = 0;
   std::optional<MeasurerState> measurer;  // after the last turn; empty: there was none
+  std::vector<LoggedVisit> visits;        // to the reference pose of RigConfig::drift
+  std::optional<DirectionPair> first;     // the first measured pose, as it was planned
   // The last measured pose, to be measured again.
   struct Reference {
     int pose = 0;
@@ -132,6 +137,8 @@ struct SessionSoFar {
 //   5. The same rig, devices, planner and clock give the same poses, with or without a log.
 //   6. A session that was killed and goes on makes the same choices as one that was not, given the
 //      same observations.
+//   7. With RigConfig::drift samples are divided by the gain that the visits to the reference
+//      before them tell; the visits are in the log and no samples.
 //
 // One thread.
 SessionSummary RunSession(const SessionParts& parts, const SessionOptions& options,

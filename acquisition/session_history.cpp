@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/units.h"
@@ -30,6 +31,14 @@ MeasurerState StateOf(const json& body, const ArmAngles& sent) {
   return state;
 }
 
+Rgb ColoursOf(const json& body, double instead_of_null) {
+  Rgb colours;
+  for (int c = 0; c < kChannels; ++c) {
+    colours[c] = body.at(c).is_null() ? instead_of_null : body.at(c).get<double>();
+  }
+  return colours;
+}
+
 HalfDiff AnglesOf(const json& body) {
   return {RadFromDeg(body.at("theta_h_deg").get<double>()),
           RadFromDeg(body.at("theta_d_deg").get<double>()),
@@ -48,6 +57,10 @@ class HistoryReader {
       if (event.kind == "pose_measured") AddMeasured(json::parse(event.body));
       if (event.kind == "pose_rejected") AddRejected(json::parse(event.body));
       if (event.kind == "session_resumed") AddResume(json::parse(event.body));
+      if (event.kind == "reference") AddVisit(event.time, json::parse(event.body));
+      if (event.kind == "reference_refused") {
+        history_.visits.push_back({poses_, event.time, std::nullopt});
+      }
     }
     return std::move(history_);
   }
@@ -58,6 +71,7 @@ class HistoryReader {
     if (i == record_.poses.size() && record_.unreduced) return;
     if (i >= record_.poses.size()) throw ConfigError("an event tells of a pose that is not there");
     const MeasuredPose& pose = record_.poses[i];
+    poses_ = pose.pose;
     history_.measurer = StateOf(body, pose.commanded);
     history_.reference = history_.measurer->told;
     history_.turns.push_back({.proposal = {.directions = ToDirections(pose.planned),
@@ -78,6 +92,15 @@ class HistoryReader {
                               .pose = 0});
   }
 
+  void AddVisit(Seconds time, const json& body) {
+    ReferenceVisit read;
+    read.time = Seconds(body.at("time_s").get<double>());
+    read.signal = ColoursOf(body.at("signal_per_sr"), 0);
+    read.sigma = ColoursOf(body.at("sigma_per_sr"), std::numeric_limits<double>::infinity());
+    history_.visits.push_back({body.at("poses").get<int>(), time, read});
+    if (body.contains("after")) history_.measurer = StateOf(body, {});
+  }
+
   // Only if something was changed do later turns follow from it.
   void AddResume(const json& body) {
     if (body.at("changes").empty()) return;
@@ -87,6 +110,7 @@ class HistoryReader {
 
   const SessionRecord& record_;
   SessionHistory history_;
+  int poses_ = 0;  // measured so far
 };
 
 std::string TextOf(const Proposal& p) {
@@ -183,7 +207,9 @@ class Follower {
 void AddReference(const SessionRecord& record, const SessionHistory& history,
                   SessionSoFar* so_far) {
   so_far->measurer = history.measurer;
+  so_far->visits = history.visits;
   if (record.poses.empty() || !history.reference) return;
+  so_far->first = ToDirections(record.poses.front().planned);
   const MeasuredPose& last = record.poses.back();
   so_far->reference = {.pose = last.pose,
                        .arms = *history.reference,

@@ -29,6 +29,8 @@ struct SessionHistory {
   std::optional<MeasurerState> measurer;  // after the last turn; empty before the first
   std::optional<ArmAngles> reference;     // MeasurerState::told after the last measured pose
 
+  std::vector<LoggedVisit> visits;  // to the reference pose of RigConfig::drift
+
   // From `turn` on the session was run with this: first as it was begun, then whatever resumes
   // with accepted changes put in its place.
   struct Part {

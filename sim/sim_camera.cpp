@@ -40,7 +40,8 @@ SimReadout SimCamera::Readout(Seconds exposure) const {
 }
 
 SimImage SimCamera::Signal(Seconds start, const SimReadout& readout) {
-  const Seconds exposure = readout.exposure;
+  // Of the light; dark current knows nothing of shutters.
+  const Seconds exposure = std::max(Seconds(0), readout.exposure + Seconds(truth_.shutter_offset));
   const bool smeared = scene_->MovingBetween(start, start + exposure);
   const int steps = smeared ? kSmearSteps : 1;
   SimImage sum;
@@ -55,7 +56,8 @@ SimImage SimCamera::Signal(Seconds start, const SimReadout& readout) {
       sum += seen;
     }
   }
-  return sum *= exposure.count() / steps;
+  const double drift = SlowDrift(truth_.responsivity_drift_per_hour, start);
+  return sum *= exposure.count() / steps * drift;
 }
 
 Result<Frame> SimCamera::Capture(Seconds exposure, std::stop_token stop) {

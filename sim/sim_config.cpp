@@ -26,6 +26,8 @@ std::array<double, kSize> NumbersOr0(const ConfigNode& node, const char* key, Ra
 void ReadLampAndArms(const ConfigNode& node, SimConfig& sim) {
   sim.lamp_flicker = node.NumberOr("lamp_flicker", 0, Range::Between(0, 0.2));
   sim.lamp_fails_at = node.NumberOr("lamp_fails_at_s", 0, Range::NonNegative());
+  sim.responsivity_drift_per_hour =
+      node.NumberOr("responsivity_drift_per_hour", 0, Range::Between(-0.2, 0.2));
   sim.axis_offset = NumbersOr0<4>(node, "axis_offset_deg", Range::Between(-5, 5));
   for (double& angle : sim.axis_offset) angle = RadFromDeg(angle);
 }
@@ -86,6 +88,7 @@ void ReadTarget(const ConfigNode& node, SimTarget& target) {
 
 void ReadSensor(const ConfigNode& node, SimConfig& sim) {
   sim.sensor_seed = static_cast<std::uint64_t>(node.IntegerOr("sensor_seed", 1, 0));
+  sim.shutter_offset = node.NumberOr("shutter_offset_s", 0, Range::Between(-0.01, 0.01));
   sim.prnu = node.NumberOr("prnu", 0, Range::Between(0, 0.3));
   sim.dsnu = node.NumberOr("dsnu_e", 0, Range::NonNegative());
   sim.dark_spread = node.NumberOr("dark_spread", 0, Range::Between(0, 1));

@@ -37,6 +37,10 @@ struct SimConfig {
   double lamp_flicker = 0;   // relative standard deviation of its power from frame to frame
   double lamp_fails_at = 0;  // s on the session's clock; dark from then on. 0: never
 
+  // Relative slope of the responsivity at time zero, which no monitor sees: optics, camera gain,
+  // detector temperature. Drifts as the lamp does (SlowDrift).
+  double responsivity_drift_per_hour = 0;
+
   // The arms' true angles minus their encoders'.
   SimArms axis_offset{};
 
@@ -65,6 +69,7 @@ struct SimConfig {
   SimArms speed_factor{1, 1, 1, 1};
   SimArms acceleration_factor{1, 1, 1, 1};
   SimArms more_overhead{};
+  double shutter_offset = 0;  // s, of light that exposures get beyond what the camera tells
   double frame_overhead = 0;  // s, of the camera's read-out, more than is believed
 
   // The sensor (sim_sensor.h).

@@ -10,12 +10,15 @@
 
 namespace gonio {
 
+double SlowDrift(double per_hour, Seconds time) {
+  constexpr double kPeriod = 8;  // hours
+  const double amplitude = per_hour * kPeriod / (2 * kPi);
+  return 1 + amplitude * std::sin(2 * kPi * (time.count() / 3600) / kPeriod);
+}
+
 double SimLamp::PowerAt(Seconds time) const {
   if (faults_.fails_at > Seconds::zero() && time >= faults_.fails_at) return 0;
-  constexpr double kPeriod = 8;  // hours
-  const double hours = time.count() / 3600;
-  const double amplitude = drift_per_hour_ * kPeriod / (2 * kPi);
-  double power = level_ * (1 + amplitude * std::sin(2 * kPi * hours / kPeriod));
+  double power = level_ * SlowDrift(drift_per_hour_, time);
   if (faults_.flicker > 0) {
     const auto slot = static_cast<std::uint64_t>(std::llround(time.count() * 1e3));
     power *= std::max(0.0, 1 + faults_.flicker * Random(faults_.seed, slot).Normal());

@@ -13,6 +13,10 @@
 
 namespace gonio {
 
+// 1 at time zero, from where it goes with the given relative slope: a sine of eight hours, so that
+// it stays bounded through the longest session (1.3 times the slope from 1 at most).
+double SlowDrift(double per_hour, Seconds time);
+
 // The lamp itself, which outlives the SimLight that dims it.
 class SimLamp {
  public:
@@ -23,8 +27,7 @@ class SimLamp {
     Seconds fails_at{0};     // dark from then on, whatever the level; 0: never
   };
 
-  // `drift_per_hour`: relative slope of the power at time zero. The drift is a sine of eight hours,
-  // so that it stays bounded through the longest session (1.3 times this at most).
+  // `drift_per_hour`: relative slope of the power at time zero (SlowDrift).
   explicit SimLamp(double drift_per_hour) : SimLamp(drift_per_hour, Faults{}) {}
   SimLamp(double drift_per_hour, const Faults& faults)
       : drift_per_hour_(drift_per_hour), faults_(faults) {}

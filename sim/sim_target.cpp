@@ -40,6 +40,7 @@ Rgb SimTarget::Mirror(const DirectionPair& local) const {
 }
 
 bool SimTarget::White(const Eigen::Vector3d& point) const {
+  if (kind == Kind::kTrap) return std::hypot(point.x(), point.y()) > hole;
   const int column = static_cast<int>(std::floor(point.x() / square + (columns + 1) / 2.0));
   const int row = static_cast<int>(std::floor(point.y() / square + (rows + 1) / 2.0));
   if (column < 0 || row < 0 || column > columns || row > rows) return true;
@@ -61,7 +62,8 @@ Rgb SimTarget::Paint(const std::function<Eigen::Vector3d(double, double)>& at) c
     }
     white = static_cast<double>(parts) / (kParts * kParts);
   }
-  return Rgb::Constant((kBlack + white * (kWhite - kBlack)) / kPi);
+  const double black = kind == Kind::kTrap ? hole_albedo : kBlack;
+  return Rgb::Constant((black + white * (kWhite - black)) / kPi);
 }
 
 }  // namespace gonio

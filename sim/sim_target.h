@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// What stands on the stage while the geometry is calibrated: a board or a mirror.
+// What stands on the stage while geometry or glare are calibrated: a board, a mirror, a trap.
 
 #pragma once
 
@@ -17,15 +17,18 @@ namespace gonio {
 // target's origin in the middle; columns lie along x. Both paints are Lambertian.
 // Mirror: black glass without end, whose polish leaves a highlight of some pixels: normals as
 // Beckmann's with the slope kMirrorSlope, 4 % reflected.
+// Trap: a round hole of `hole` radius about the origin of an endless white tile.
 struct SimTarget {
   // Rx(turn[0]) Ry(turn[1]) Rz(turn[2]); turns in rad.
   static Eigen::Matrix3d Turned(const std::array<double, 3>& turn);
 
-  enum class Kind { kNone, kCheckerboard, kMirror };
+  enum class Kind { kNone, kCheckerboard, kMirror, kTrap };
   Kind kind = Kind::kNone;
   int columns = 0;  // inner corners
   int rows = 0;
   double square = 0;                      // m
+  double hole = 0;                        // m
+  double hole_albedo = 0;                 // a trap: nothing comes back
   std::array<double, 3> shift{};          // m
   std::array<double, 3> turn{};           // rad
   static constexpr double kWhite = 0.8;   // albedo

@@ -25,8 +25,10 @@ std::string Numbers(const DarkLibrary& dark) {
 }
 
 std::string Numbers(const SensorCalibration& sensor) {
-  return fmt::format("gain {} e/count, read noise {} e, full well {} e, {}", Text(sensor.gain),
-                     Text(sensor.read_noise), Text(sensor.full_well),
+  const MeasuredValue& late = sensor.exposure_offset;
+  return fmt::format("gain {} e/count, read noise {} e, full well {} e, exposures {} us late, {}",
+                     Text(sensor.gain), Text(sensor.read_noise), Text(sensor.full_well),
+                     Text({1e6 * late.value, 1e6 * late.sigma}),
                      sensor.linearity.is_identity() ? "linear" : "linearity corrected");
 }
 
@@ -40,8 +42,9 @@ std::string Numbers(const FlatField& flat) {
 }
 
 std::string Numbers(const StrayLights& stray) {
-  return fmt::format("background {}, {}, {} e/s", Text(stray[0].background),
-                     Text(stray[1].background), Text(stray[2].background));
+  return fmt::format("background {}, {}, {} e/s; glare {}, {}, {}", Text(stray[0].background),
+                     Text(stray[1].background), Text(stray[2].background), Text(stray[0].glare),
+                     Text(stray[1].glare), Text(stray[2].glare));
 }
 
 std::string Numbers(const Responsivity& r) {

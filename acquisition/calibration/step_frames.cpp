@@ -164,6 +164,8 @@ FrameStore::Settings StepFrames::Settings(bool lit) const {
   };
   settings["theta_i_deg"] = degrees(options_.theta_i);
   settings["theta_o_deg"] = degrees(options_.theta_o);
+  if (options_.trap_radius > 0)
+    settings["trap_radius_m"] = fmt::format("{:.6g}", options_.trap_radius);
   if (!options_.standard.empty()) settings["standard"] = fs::absolute(options_.standard).string();
   return settings;
 }

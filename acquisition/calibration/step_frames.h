@@ -5,6 +5,7 @@
 
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "acquisition/calibration/frame_store.h"
@@ -40,6 +41,8 @@ class StepFrames {
   // Where the arms are, in the sample's frame: encoders and the offsets of geometry.yaml.
   const ArmAngles& arms() const { return arms_; }
   const std::vector<ImageRegion>& regions() const { return regions_; }
+  // What to meter on instead. Not empty.
+  void LookAt(std::vector<ImageRegion> regions) { regions_ = std::move(regions); }
 
   // The exposure [s] that brings the brightest channel to `fraction` of full scale on these pixels,
   // as far as the camera's range goes.

@@ -5,6 +5,7 @@
 //   photon transfer  white tile, many exposures photon-transfer.yaml     needs darks
 //   flat             white tile                 flat-field.yaml, bad-pixels.yaml   and that
 //   stray light      black trap                 stray-light.yaml         and that
+//   glare            white tile with a trap     stray-light.yaml         and that, stray light
 //   standard         reference standard         responsivity.yaml        and that; stray light if
 //                                                                         there is any
 //
@@ -45,6 +46,7 @@ struct StepOptions {
   int frames = 0;      // of each exposure; 0: what the step thinks right
   bool again = false;  // forget frames of an earlier start
   bool keep_frames = false;
+  double trap_radius = 0;          // m, of the trap in the tile; 0: Imaging::patch_radius
   std::filesystem::path standard;  // the reference standard's file
   std::int64_t now = 0;            // s since 1970-01-01 UTC
   std::stop_token stop;            // after the frame in hand; kCancelled
@@ -63,6 +65,9 @@ Result<StepReport> CalibrateDarks(const StepParts& parts, const StepOptions& opt
 Result<StepReport> CalibratePhotonTransfer(const StepParts& parts, const StepOptions& options);
 Result<StepReport> CalibrateFlat(const StepParts& parts, const StepOptions& options);
 Result<StepReport> CalibrateStrayLight(const StepParts& parts, const StepOptions& options);
+// kRefused also where the trap is not black, or nothing is seen of it. Throws ConfigError for a rig
+// without `imaging`, whose pixels all see the same.
+Result<StepReport> CalibrateGlare(const StepParts& parts, const StepOptions& options);
 Result<StepReport> CalibrateStandard(const StepParts& parts, const StepOptions& options);
 
 }  // namespace gonio

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "acquisition/calibration/step_frames.h"
@@ -17,6 +18,11 @@ namespace {
 
 constexpr int kStrayFrames = 16;
 constexpr int kStandardFrames = 8;
+constexpr int kGlareFrames = 16;
+// Of the trap's radius: beyond it the edge may be seen blurred.
+constexpr double kInsideTrap = 0.7;
+constexpr std::size_t kLeastTrapPixels = 20;
+constexpr double kGlareLevel = 0.4;  // of full scale, for the mean of the image: no site saturates
 // A certificate's point is met where the encoders are this near.
 constexpr double kTolerance = RadFromDeg(0.5);
 
@@ -115,12 +121,47 @@ Responsivity JoinReadings(const std::vector<StandardReading>& readings, const st
   return result;
 }
 
+// Pixels well inside the trap, and all of them: rates of both are then as they are, not per light.
+Result<std::vector<ImageRegion>> TrapAndAll(const StepFrames& step, const Calibrations& earlier) {
+  const RigConfig& rig = step.rig();
+  Imaging inside = rig.imaging;
+  const double radius = step.options().trap_radius;
+  inside.patch_radius = kInsideTrap * (radius > 0 ? radius : rig.imaging.patch_radius);
+  std::vector<ImageRegion> regions =
+      RegionsOf(inside, step.arms(), rig.camera.width, rig.camera.height, rig.geometry.max_polar);
+  ImageRegion all;
+  all.pixels.resize(static_cast<std::size_t>(rig.camera.width) * rig.camera.height);
+  std::iota(all.pixels.begin(), all.pixels.end(), 0U);
+  regions.push_back(std::move(all));
+  for (ImageRegion& region : regions) {
+    region.lights.clear();
+    region.light = 1;
+  }
+  LeaveOut(earlier.bad_pixels->mask, CountsPerPixel(step.format().layout), &regions);
+  if (regions.size() == 2 && regions[0].pixels.size() >= kLeastTrapPixels) return regions;
+  return Error{ErrorCode::kRefused,
+               fmt::format("fewer than {} pixels see the trap", kLeastTrapPixels)};
+}
+
+// g of one channel, from the trap's rate and that of the whole image.
+Result<MeasuredValue> GlareOf(const RegionRate& trap, const RegionRate& all,
+                              const MeasuredValue& background) {
+  const auto net = [&](const RegionRate& rate) {
+    return MeasuredValue{rate.rate - background.value,
+                         std::hypot(rate.random(), rate.systematic())};
+  };
+  MeasuredValue dark = net(trap);
+  dark.sigma = std::hypot(dark.sigma, background.sigma);
+  return GlareFraction(dark, net(all));
+}
+
 }  // namespace
 
 Result<StepReport> CalibrateStrayLight(const StepParts& parts, const StepOptions& options) {
   StepFrames step(parts, options, "stray-light");
   Calibrations earlier = step.Earlier(
       {CalibrationKind::kDark, CalibrationKind::kPhotonTransfer, CalibrationKind::kFlatField});
+  const std::optional<StrayLights> before = earlier.stray;  // glare is the lens's, and stays
   earlier.stray.reset();  // what is measured is not taken off before
   if (auto there = step.GoTo(step.Pose()); !there) return there.error();
   const int times = options.frames > 0 ? options.frames : kStrayFrames;
@@ -141,6 +182,7 @@ Result<StepReport> CalibrateStrayLight(const StepParts& parts, const StepOptions
   const double light = record.regions.front().light;
   for (std::size_t c = 0; c < kChannels; ++c) {
     const RegionRate& rate = (*rates)[c];
+    if (before) stray[c].glare = (*before)[c].glare;
     stray[c].background = {rate.rate * light, light * std::hypot(rate.random(), rate.systematic())};
     report.lines.push_back(fmt::format("background       {:<5} {:.4g} +- {:.2g} electrons/s",
                                        kChannelNames[c], stray[c].background.value,
@@ -148,6 +190,51 @@ Result<StepReport> CalibrateStrayLight(const StepParts& parts, const StepOptions
   }
   report.files = {step.FileOf(CalibrationKind::kStrayLight)};
   WriteStrayLight(report.files[0], step.Stamp(*frames), stray);
+  step.Finish();
+  return report;
+}
+
+Result<StepReport> CalibrateGlare(const StepParts& parts, const StepOptions& options) {
+  if (!parts.rig.imaging.resolves_directions()) {
+    throw ConfigError("without `imaging` in the rig file no pixel is known to see the trap");
+  }
+  StepFrames step(parts, options, "glare");
+  Calibrations earlier = step.Earlier({CalibrationKind::kDark, CalibrationKind::kPhotonTransfer,
+                                       CalibrationKind::kBadPixels, CalibrationKind::kFlatField,
+                                       CalibrationKind::kStrayLight});
+  StrayLights stray = *earlier.stray;
+  earlier.stray.reset();  // taken off here, without the glare that is looked for
+  if (auto there = step.GoTo(step.Pose()); !there) return there.error();
+  auto regions = TrapAndAll(step, earlier);
+  if (!regions) return regions.error();
+  step.LookAt({regions->back()});
+  const int times = options.frames > 0 ? options.frames : kGlareFrames;
+  const auto choose = [&]() -> Result<std::vector<double>> {
+    const auto exposure = step.Meter(kGlareLevel);
+    if (!exposure) return exposure.error();
+    return Repeated({*exposure}, times);
+  };
+  const auto frames = step.Take(true, "", choose);
+  if (!frames) return frames.error();
+  PoseRecord record = RecordOf(step, earlier, *frames);
+  record.regions = std::move(*regions);
+  const auto rates = MeasureRates(record, parts.rig, earlier);
+  if (!rates) return rates.error();
+  StepReport report;
+  for (std::size_t c = 0; c < kChannels; ++c) {
+    const RegionRate& all = rates->back()[c];
+    if (!all.measured) return Error{ErrorCode::kRefused, "some of the tile is saturated"};
+    const auto glare = GlareOf(rates->front()[c], all, stray[c].background);
+    if (!glare) return glare.error();
+    stray[c].glare = *glare;
+    report.lines.push_back(
+        fmt::format("glare            {:<5} {:.3f} +- {:.2g} % of the image's mean",
+                    kChannelNames[c], 100 * glare->value, 100 * glare->sigma));
+  }
+  // The file is as old as its background.
+  report.files = {step.FileOf(CalibrationKind::kStrayLight)};
+  const CalibrationHeader header = ReadCalibrationHeader(report.files[0]);
+  WriteStrayLight(report.files[0], {header.created, step.format(), header.temperature_c}, stray);
   step.Finish();
   return report;
 }

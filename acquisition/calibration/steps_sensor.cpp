@@ -10,6 +10,7 @@
 
 #include "acquisition/calibration/step_frames.h"
 #include "acquisition/exposure.h"
+#include "acquisition/radiometry/exposure_offset.h"
 #include "acquisition/radiometry/photon_transfer.h"
 #include "acquisition/region_rates.h"
 
@@ -18,6 +19,8 @@ namespace {
 
 constexpr int kDarkFrames = 16;
 constexpr int kTransferFrames = 8;
+constexpr int kShortestFrames = 32;  // at the camera's shortest exposure
+constexpr double kDimEnough = 0.1;   // of full scale, to tell the exposures' offset
 constexpr int kFlatFrames = 16;
 
 std::string BadPixelsLine(const BadPixels& bad) {
@@ -83,31 +86,62 @@ int Brightest(const PhotonTransfer& transfer) {
 struct Series {
   PhotonTransfer transfer;  // of counts as they are
   LinearityFit line;
+  Result<ExposureOffset> offset;
   SensorCalibration sensor;
 };
 
+// `shortest`: pairs of the shortest exposure, which see little but its offset.
+Result<ExposureOffset> EvaluateOffset(const StepFrames& step, const Calibrations& earlier,
+                                      const PhotonTransfer& transfer,
+                                      const std::vector<FlatPair>& shortest) {
+  TransferOptions options;
+  options.bad = earlier.bad_pixels->mask;
+  auto points = TransferPoints(step.format(), shortest, options);
+  if (!points) return points.error();
+  points->insert(points->end(), transfer.points.begin(), transfer.points.end());
+  const RadiometryConfig& r = step.rig().radiometry;
+  ExposureOffsetOptions offset;
+  offset.light_noise = std::hypot(r.multiplicative_noise, r.monitor_noise);
+  offset.max_counts = kDimEnough * step.format().full_scale;
+  offset.bad = earlier.bad_pixels->mask;
+  return MeasureExposureOffset(*points, earlier.dark->fits.front(), step.format(), offset);
+}
+
 // `times`: frames of each exposure.
 Result<Series> EvaluateSeries(const StepFrames& step, const Calibrations& earlier,
-                              const std::vector<FlatPair>& pairs, int times) {
+                              const std::vector<FlatPair>& pairs,
+                              const std::vector<FlatPair>& shortest, int times) {
   const SensorFormat& format = step.format();
   TransferOptions options;
   options.bad = earlier.bad_pixels->mask;
   auto transfer = MeasurePhotonTransfer(format, pairs, options);
   if (!transfer) return transfer.error();
+  auto offset = EvaluateOffset(step, earlier, *transfer, shortest);
+  const MeasuredValue late = offset ? offset->offset : MeasuredValue{};
   LinearityOptions linear;
   linear.channel = Brightest(*transfer);
   linear.dark_rate = MeanRate(*earlier.dark);
   const RadiometryConfig& r = step.rig().radiometry;
   linear.light_noise = std::hypot(r.multiplicative_noise, r.monitor_noise) / std::sqrt(times / 2.0);
   linear.min_counts = 0.01 * format.full_scale;
-  auto line = MeasureLinearity(Joined(transfer->points, linear.channel), linear);
+  std::vector<TransferPoint> levels = Joined(transfer->points, linear.channel);
+  for (TransferPoint& level : levels) level.exposure += late.value;
+  auto line = MeasureLinearity(levels, linear);
   if (!line) return line.error();
-  Series series{std::move(transfer).value(), std::move(line).value(), {}};
+  Series series{std::move(transfer).value(), std::move(line).value(), std::move(offset), {}};
   SensorCalibration& sensor = series.sensor;
-  sensor = {series.transfer.gain, series.transfer.read_noise, series.transfer.full_well,
+  sensor = {series.transfer.gain, series.transfer.read_noise, series.transfer.full_well, late,
             Linearity::Identity(format.full_scale)};
   if (series.line.significant) sensor.linearity = series.line.table;
   return series;
+}
+
+// A camera whose shortest exposures are too bright to tell is believed.
+std::string ExposureLine(const Result<ExposureOffset>& offset) {
+  if (!offset) return "exposures        as told: " + offset.error().message;
+  return fmt::format("exposures        {:.3g} +- {:.2g} us longer than told; chi^2 {:.1f} of {}",
+                     1e6 * offset->offset.value, 1e6 * offset->offset.sigma, offset->chi_squared,
+                     offset->degrees_of_freedom);
 }
 
 std::vector<std::string> LinesOf(const Series& series) {
@@ -122,6 +156,7 @@ std::vector<std::string> LinesOf(const Series& series) {
                       transfer.full_well_reached ? "" : "at least ", sensor.full_well.value,
                       sensor.full_well.sigma,
                       transfer.full_well_is_full_scale ? ", where the converter ends" : ""),
+          ExposureLine(series.offset),
           fmt::format("linearity        {:.2f} +- {:.2f} % off at most: {}",
                       100 * series.line.max_residual, 100 * series.line.max_residual_sigma,
                       series.line.significant ? "corrected" : "not significant, not corrected")};
@@ -234,8 +269,13 @@ Result<StepReport> CalibratePhotonTransfer(const StepParts& parts, const StepOpt
   };
   auto frames = step.Take(true, "", choose);
   if (!frames) return frames.error();
+  auto shortest = step.Take(true, "shortest", [&]() -> Result<std::vector<double>> {
+    return Repeated({camera.min_exposure.count()}, std::max(times, kShortestFrames));
+  });
+  if (!shortest) return shortest.error();
   const CalibrationStamp stamp = step.Stamp(*frames);
-  const auto series = EvaluateSeries(step, earlier, PairsOf(std::move(frames).value()), times);
+  const auto series = EvaluateSeries(step, earlier, PairsOf(std::move(frames).value()),
+                                     PairsOf(std::move(shortest).value()), times);
   if (!series) return series.error();
   StepReport report;
   report.files = {step.FileOf(CalibrationKind::kPhotonTransfer)};

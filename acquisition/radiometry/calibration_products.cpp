@@ -35,6 +35,7 @@ class Product {
   std::vector<double> List(const std::string& name) { return Take(&data_.lists, name); }
   SiteImage Image(const std::string& name) { return Take(&data_.images, name); }
   bool HasImage(const std::string& name) const { return data_.images.contains(name); }
+  bool HasNumber(const std::string& name) const { return data_.estimates.contains(name); }
   const CalibrationData& data() const { return data_; }
 
   void Finish() const {
@@ -94,6 +95,7 @@ void WriteSensor(const std::filesystem::path& path, const CalibrationStamp& stam
   data.estimates["gain_e_per_count"] = sensor.gain;
   data.estimates["read_noise_e"] = sensor.read_noise;
   data.estimates["full_well_e"] = sensor.full_well;
+  data.estimates["exposure_offset_s"] = sensor.exposure_offset;
   for (const LinearityKnot& knot : sensor.linearity.knots()) {
     data.lists["linearity_counts"].push_back(knot.counts);
     data.lists["linearity_factor"].push_back(knot.factor.value);
@@ -108,6 +110,10 @@ SensorCalibration ReadSensor(const std::filesystem::path& path, CalibrationDeman
   sensor.gain = product.Number("gain_e_per_count");
   sensor.read_noise = product.Number("read_noise_e");
   sensor.full_well = product.Number("full_well_e");
+  // Older files have none.
+  if (product.HasNumber("exposure_offset_s")) {
+    sensor.exposure_offset = product.Number("exposure_offset_s");
+  }
   if (!(sensor.gain.value > 0)) product.Fail("gain_e_per_count: must be > 0");
   if (!(sensor.read_noise.value >= 0)) product.Fail("read_noise_e: must be >= 0");
   const auto counts = product.List("linearity_counts");

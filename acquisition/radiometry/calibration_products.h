@@ -35,6 +35,8 @@ struct SensorCalibration {
   MeasuredValue gain;        // electrons/count
   MeasuredValue read_noise;  // electrons
   MeasuredValue full_well;   // electrons
+  // s, true minus told exposure; 0 +- 0: it was not measured, and the camera is believed.
+  MeasuredValue exposure_offset{0, 0};
   Linearity linearity = Linearity::Identity(1);
 };
 void WriteSensor(const std::filesystem::path& path, const CalibrationStamp& stamp,

@@ -62,7 +62,10 @@ Result<CorrectedFrame> Correct(const SensorModel& sensor, const Frame& frame, do
   const CountTable table = TableOf(sensor, frame.black_level);
   CorrectedFrame corrected;
   corrected.format = sensor.format;
-  corrected.exposure = frame.exposure.count();
+  corrected.exposure = frame.exposure.count() + sensor.exposure_offset;
+  if (!(corrected.exposure > 0)) {
+    return Error{ErrorCode::kRefused, "frame: not longer than what the shutter takes off"};
+  }
   corrected.monitor = monitor;
   corrected.full = table.electrons[static_cast<std::size_t>(table.saturated)];
   corrected.electrons.resize(sites);

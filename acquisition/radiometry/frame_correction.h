@@ -26,7 +26,7 @@ struct CorrectedFrame {
   SensorFormat format;
   SiteImage electrons;  // signal; negative values are kept
   SiteMask unusable;    // SiteFault bits
-  double exposure = 0;  // s
+  double exposure = 0;  // s, true
   double monitor = 1;   // light over light at calibration
   double floor = 0;     // electrons^2: variance of a site without signal, typical of all
   SiteImage extra;      // electrons^2 that a site has on top of `floor`; empty: none
@@ -36,13 +36,15 @@ struct CorrectedFrame {
 
 struct SensorModel {
   SensorFormat format;
-  double gain = 1;        // K, electrons/count
-  double read_noise = 0;  // electrons
+  double gain = 1;             // K, electrons/count
+  double read_noise = 0;       // electrons
+  double exposure_offset = 0;  // s, true minus told exposure
   Linearity linearity = Linearity::Identity(1e9);
   SiteMask bad;  // BadPixel bits; empty: none
 };
 
-// kRefused if the frame is of another format. `dark` may be null: none is subtracted. Sites next to
+// kRefused if the frame is of another format, or its told exposure no longer than a negative
+// offset. `dark` may be null: none is subtracted. Sites next to
 // a saturated one (eight neighbours, of the same colour where a pixel has three) are marked too:
 // charge spills over, and their own light may be stray light of that one. Not those of a bad site.
 Result<CorrectedFrame> Correct(const SensorModel& sensor, const Frame& frame, double monitor,

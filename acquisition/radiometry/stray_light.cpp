@@ -18,10 +18,11 @@ Result<StrayCorrected> SubtractStrayLight(const MeasuredValue& measured,
   if (!(g < 1)) return Error{ErrorCode::kRefused, "stray light: a glare of 1 leaves no signal"};
   const double left = 1 - g;
   StrayCorrected result;
-  result.rate.value = (measured.value - stray.background.value - g * surround.value) / left;
-  // d true / d g = (true - surround) / (1 - g).
-  const double by_glare = (result.rate.value - surround.value) / left * stray.glare.sigma;
-  result.systematic = std::hypot(stray.background.sigma / left, by_glare);
+  const double around = surround.value - stray.background.value;
+  result.rate.value = (measured.value - stray.background.value - g * around) / left;
+  // d true / d g = (true - surround) / (1 - g); d true / d background = -1.
+  const double by_glare = (result.rate.value - around) / left * stray.glare.sigma;
+  result.systematic = std::hypot(stray.background.sigma, by_glare);
   const double noise = std::hypot(measured.sigma, g * surround.sigma) / left;
   result.rate.sigma = std::hypot(noise, result.systematic);
   return result;

@@ -3,12 +3,13 @@
 //
 // Two parts, both per channel, in the rates of region_statistics.h:
 //
-//   measured = (1 - g) true + g surround + background
+//   measured = (1 - g) true + g (surround - background) + background
 //
 // background [electrons/s at light 1]: room light and walls, what a black trap in the sample's
 // place reads. g: the veiling glare of the lens, the share of a pixel's light that comes from the
-// rest of the image, `surround` being the image's mean rate (ISO 9358:1994; integral method: a
-// black patch in an even bright field reads g of the field).
+// rest of the image, `surround` being the image's mean rate as measured (ISO 9358:1994; integral
+// method: a black patch in a bright field reads g of the image's mean). The background is as the
+// trap read it, its own glare included.
 
 #pragma once
 
@@ -22,7 +23,8 @@ struct StrayLight {
   MeasuredValue glare{0, 0};  // g, 0 .. 1
 };
 
-// g from a black patch in an even field, both after the background is taken off: dark / field.
+// g from a black patch in a bright field, both after the background is taken off: dark / field,
+// where `field` is the mean rate of the image, the patch included.
 // kRefused unless the field is > 0 and g below 1/2. A g below zero within its noise is kept.
 Result<MeasuredValue> GlareFraction(const MeasuredValue& dark, const MeasuredValue& field);
 

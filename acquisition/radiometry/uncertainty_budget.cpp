@@ -13,8 +13,8 @@ namespace {
 using Term = UncertaintyTerm;
 
 constexpr std::array<const char*, kUncertaintyTerms> kNames = {
-    "shot", "read",      "rounding",       "multiplicative", "monitor",      "dark",
-    "flat", "linearity", "exposure_ratio", "stray_light",    "responsivity", "angle"};
+    "shot",      "read",           "rounding",    "multiplicative", "monitor", "dark", "flat",
+    "linearity", "exposure_ratio", "stray_light", "responsivity",   "angle",   "drift"};
 
 Rgb SumOfSquares(const UncertaintyBudget& budget, bool systematic) {
   Rgb sum = Rgb::Zero();

@@ -37,8 +37,9 @@ enum class UncertaintyTerm {
   kStrayLight,     // what was subtracted, or not
   kResponsivity,   // reference standard: its certificate, and its own measurement
   kAngle,          // cos(theta_i), and the slope of f_r, times the error of the directions
+  kDrift,          // of the gain since the first visit to the reference; shared by near samples
 };
-inline constexpr int kUncertaintyTerms = 12;
+inline constexpr int kUncertaintyTerms = 13;
 // "shot", "read", ...: as in reports and files.
 const char* ToString(UncertaintyTerm term);
 bool IsSystematic(UncertaintyTerm term);

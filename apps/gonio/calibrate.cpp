@@ -33,6 +33,7 @@ Step StepNamed(const std::string& name) {
   if (name == "photon-transfer") return CalibratePhotonTransfer;
   if (name == "flat") return CalibrateFlat;
   if (name == "stray-light") return CalibrateStrayLight;
+  if (name == "glare") return CalibrateGlare;
   return CalibrateStandard;
 }
 
@@ -53,11 +54,19 @@ StepOptions StepOptionsOf(const CalibrateOptions& options, const RigConfig& rig)
   if (options.theta_i_deg) step.theta_i = RadFromDeg(*options.theta_i_deg);
   if (options.theta_o_deg) step.theta_o = RadFromDeg(*options.theta_o_deg);
   step.frames = options.frames;
+  step.trap_radius = options.trap_radius_mm / 1000;
   step.again = options.again;
   step.keep_frames = options.keep_frames;
   if (!options.standard.empty()) step.standard = LocateConfig(options.standard);
   step.now = std::time(nullptr);
   return step;
+}
+
+// What a simulated camera sees of a tile with a trap is no material.
+void MountTrap(const StepOptions& step, RigFile& rig) {
+  rig.simulation.target.kind = SimTarget::Kind::kTrap;
+  rig.simulation.target.hole =
+      step.trap_radius > 0 ? step.trap_radius : rig.config.imaging.patch_radius;
 }
 
 OpenedRig Open(const RigFile& rig, const Brdf* sample, std::uint64_t seed) {
@@ -80,14 +89,18 @@ int Failed(const Error& error, const OpenedRig& rig) {
 }  // namespace
 
 int CalibrateCommand(const CalibrateOptions& options) {
-  const RigFile rig_file = LoadRig(LocateConfig(options.rig));
+  RigFile rig_file = LoadRig(LocateConfig(options.rig));
   StepOptions step = StepOptionsOf(options, rig_file.config);
   std::unique_ptr<Brdf> sample;
   if (rig_file.config.camera_device.driver == CameraDevice::Driver::kSimulated) {
     const std::string mounted =
         options.material.empty() ? UsuallyMounted(options.step) : options.material;
     sample = OpenAny(LocateConfig(mounted));
-    if (options.step != "darks") fmt::print("mounted          {}\n", sample->name());
+    if (options.step == "glare") MountTrap(step, rig_file);
+    if (options.step != "darks") {
+      fmt::print("mounted          {}\n",
+                 options.step == "glare" ? "a black trap in a white tile" : sample->name());
+    }
   }
   OpenedRig rig = Open(rig_file, sample.get(), options.seed);
   const Interrupt interrupt;

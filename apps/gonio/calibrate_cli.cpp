@@ -22,6 +22,9 @@ constexpr StepHelp kSteps[] = {
     {"stray-light",
      "Light that does not come from the sample, from a black trap: "
      "stray-light.yaml"},
+    {"glare",
+     "Veiling glare of the lens, from a black trap in a white tile that fills the image: "
+     "stray-light.yaml"},
     {"standard", "Responsivity, from a reference standard: responsivity.yaml"},
 };
 
@@ -35,6 +38,11 @@ void AddStep(CLI::App& app, CalibrateOptions& o, const std::string& step) {
   app.add_option("--material", o.material,
                  "What a simulated camera has before it (default: ptfe.yaml; for stray-light "
                  "trap.yaml)");
+  if (step == "glare") {
+    app.add_option("--trap-radius-mm", o.trap_radius_mm,
+                   "Of the trap in the middle (default: the rig's imaging.patch_radius_mm)")
+        ->check(CLI::PositiveNumber);
+  }
   if (step == "standard") {
     app.add_option("--standard", o.standard, "The standard's file, with its certificate's table")
         ->required();

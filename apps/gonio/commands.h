@@ -70,6 +70,7 @@ struct CalibrateOptions {
   std::string rig = "sim-rig.yaml";
   std::filesystem::path out;  // folder; empty: the rig's
   std::string material;       // what a simulated camera has before it; empty: what the step wants
+  double trap_radius_mm = 0;  // of a trap in a tile; 0: the rig's patch
   std::string standard;       // a reference standard's file
   std::optional<double> theta_i_deg;
   std::optional<double> theta_o_deg;

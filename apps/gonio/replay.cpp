@@ -145,7 +145,8 @@ class Replay {
 
   void Rereduce(std::vector<MeasuredPose>* poses) {
     const Stage stage = StageOf(history_.parts.back().info, options_.calibration, options_.session);
-    Rereduction rereduction(options_.session, stage.setup.rig.config, stage.calibrations);
+    Rereduction rereduction(options_.session, stage.setup.rig.config, stage.calibrations,
+                            history_.visits);
     int same = 0;
     int samples = 0;
     double largest = 0;

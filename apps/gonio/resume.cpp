@@ -158,7 +158,7 @@ class Resumption {
   void ReduceLast() {
     if (!record_.unreduced) return;
     const MeasuredPose& pose = *record_.unreduced;
-    const auto samples = Rereduction(dir_, setup_.rig.config, calibrations_).Of(pose);
+    const auto samples = Rereduction(dir_, setup_.rig.config, calibrations_, HistoryOf(record_).visits).Of(pose);
     if (!samples) throw std::runtime_error(samples.error().message);
     if (auto kept = log_.AppendSamples(pose.pose, pose.end, *samples); !kept) {
       throw std::runtime_error(kept.error().message);

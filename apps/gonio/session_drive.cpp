@@ -30,6 +30,14 @@ void PrintSession(const SessionSummary& s) {
              s.rejected);
   fmt::print("time on the rig  {} (homing {}, moving {}, exposing {})\n", ForPeople(s.duration),
              ForPeople(s.preparation), ForPeople(s.travel), ForPeople(s.exposing));
+  if (s.reference_visits > 0) {
+    fmt::print(
+        "reference        {} visits; the gain is now {:.4f} +- {:.4f}, {:.4f} +- {:.4f}, "
+        "{:.4f} +- {:.4f} of the first\n",
+        s.reference_visits, s.gain.value[0], s.gain.sigma[0], s.gain.value[1], s.gain.sigma[1],
+        s.gain.value[2], s.gain.sigma[2]);
+  }
+  for (const std::string& warning : s.warnings) fmt::print(stderr, "gonio: warning: {}\n", warning);
   if (s.predicted_error) fmt::print("predicted error  {:.5f}\n", *s.predicted_error);
 }
 

@@ -62,6 +62,37 @@ class CalibrateTest : public GonioTest {
   }
 };
 
+// Of a lens before the same camera: other sessions of its folder keep their background.
+TEST_F(CalibrateTest, FindsTheGlareOfALens) {
+  Calibrated();
+  EXPECT_THAT(Gonio("calibrate glare --rig sim-imperfect.yaml --out cal").err,
+              HasSubstr("without `imaging`"));
+  File("lens.yaml", With(Config("sim-imperfect.yaml"), "exposure:\n",
+                         "imaging: {focal_length_px: 2000, camera_distance_mm: 500, "
+                         "light_distance_mm: 800, patch_radius_mm: 2}\n\nexposure:\n") +
+                        "  veiling_glare: 0.03\n");
+  const Finished glare = Expect("calibrate glare --rig lens.yaml --out cal --trap-radius-mm 1.8");
+  EXPECT_THAT(glare.out, testing::AllOf(HasSubstr("a black trap in a white tile"),
+                                        HasSubstr("% of the image's mean")));
+  const ConfigNode stray = ConfigNode::Load(work() / "cal/stray-light.yaml").Map("estimates");
+  for (const char* colour : {"red", "green", "blue"}) {
+    const auto g = stray.Numbers(std::string(colour) + "_glare", 2);
+    EXPECT_NEAR(g[0], 0.03 / 1.03, 3.5 * g[1]) << colour;
+    EXPECT_LT(g[1], 0.004) << colour;
+  }
+}
+
+TEST_F(CalibrateTest, SaysWhatTheReferenceDid) {
+  File("drift.yaml",
+       With(Config("sim-imperfect.yaml"), "exposure:\n", "drift: {every_poses: 4}\n\nexposure:\n"));
+  const Finished run = Gonio(
+      "run --rig drift.yaml --plan plan-grid.yaml --max-poses 12 --quiet --material ptfe.yaml "
+      "--out session");
+  ASSERT_EQ(run.code, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("reference        3 visits; the gain is now "));
+  EXPECT_EQ(ReadSession(work() / "session").poses.size(), 12u);
+}
+
 // A session from end to end. Example failure: files that are checked, copied, and not used.
 TEST_F(CalibrateTest, MakesSessionsTrue) {
   Calibrated();

@@ -145,7 +145,7 @@ TEST(StrayLight, IsTakenOffWithinItsError) {
                            .glare = *GlareFraction({100 + 4 * random.Normal(), 4}, {5000, 0})};
     const double truth = 800;
     const MeasuredValue measured{0.98 * truth + 0.02 * 3000 + 40 + 3 * random.Normal(), 3};
-    const auto found = SubtractStrayLight(measured, {3000, 0}, stray);
+    const auto found = SubtractStrayLight(measured, {3040, 0}, stray);
     ASSERT_TRUE(found.ok());
     EXPECT_LT(found->systematic, found->rate.sigma);
     scores.Add((found->rate.value - truth) / found->rate.sigma);

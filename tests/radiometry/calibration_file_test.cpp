@@ -106,12 +106,17 @@ TEST(CalibrationFile, KeepsADarkLibrary) {
 
 TEST(CalibrationFile, KeepsTheOtherProducts) {
   const TempDir dir;
-  SensorCalibration sensor{.gain = {2.01, 0.02}, .read_noise = {5.5, 0.1}, .full_well = {1e4, 50}};
+  SensorCalibration sensor{.gain = {2.01, 0.02},
+                           .read_noise = {5.5, 0.1},
+                           .full_well = {1e4, 50},
+                           .exposure_offset = {2.5e-5, 1e-6}};
   sensor.linearity = *Linearity::FromKnots({{100, {1.001, 1e-3}}, {3000, {1.0301, 2e-3}}});
   WriteSensor(dir / "sensor.yaml", Stamp(), sensor);
   const SensorCalibration read = ReadSensor(dir / "sensor.yaml", Demand());
   EXPECT_EQ(read.gain.value, 2.01);
   EXPECT_EQ(read.read_noise.sigma, 0.1);
+  EXPECT_EQ(read.exposure_offset.value, 2.5e-5);
+  EXPECT_EQ(read.exposure_offset.sigma, 1e-6);
   EXPECT_EQ(read.linearity.Correct(1500), sensor.linearity.Correct(1500));
 
   BadPixels bad;

@@ -139,7 +139,7 @@ TEST_F(Night, FramesGiveTheSamplesAgain) {
   const SessionSummary whole = Begin(dir_ / "s", kPoses + 1);
   SteadyBench bench;
   const Calibrations none;
-  Rereduction rereduction(dir_ / "s", bench.rig, none);
+  Rereduction rereduction(dir_ / "s", bench.rig, none, {});
   const SessionRecord record = ReadSession(dir_ / "s");
   for (std::size_t i = 0; i < record.poses.size(); ++i) {
     const auto again = rereduction.Of(record.poses[i]);
