@@ -26,6 +26,7 @@
 #include "apps/gonio/summary.h"
 #include "core/error.h"
 #include "core/sha256.h"
+#include "core/utc.h"
 #include "fitting/fit.h"
 #include "fitting/process_fit.h"
 #include "planner/plan.h"
