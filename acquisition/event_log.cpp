@@ -119,6 +119,7 @@ void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
   put("material_sha256", info.material_sha256);
   put("devices", json(info.devices).dump());
   put("calibrations", json(info.calibrations).dump());
+  if (!info.imported.empty()) put("imported", json(info.imported).dump());
 }
 
 }  // namespace
@@ -131,9 +132,10 @@ struct EventLog::Impl {
   template <typename Body>
   Result<void> Write(const Body& body) {
     try {
-      sqlite::Transaction transaction(db);
+      std::optional<sqlite::Transaction> transaction;
+      if (!together) transaction.emplace(db);
       body();
-      transaction.Commit();
+      if (transaction) transaction->Commit();
     } catch (const sqlite::Failure& e) {
       return Error{ErrorCode::kStorage, e.what()};
     }
@@ -193,6 +195,7 @@ struct EventLog::Impl {
   }
 
   sqlite::Database db;
+  bool together = false;  // in the transaction of AppendTogether()
 };
 
 EventLog::EventLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -301,6 +304,17 @@ Result<void> EventLog::AppendEnd(Seconds time, const SessionEnd& end) {
                {"duration_s", end.duration.count()}};
   if (end.predicted_error) body["predicted_error"] = *end.predicted_error;
   return impl_->Write([&] { impl_->InsertEvent(time, "session_end", body); });
+}
+
+Result<void> EventLog::AppendTogether(const std::function<Result<void>()>& append) {
+  return impl_->Write([&] {
+    struct Together {
+      bool& on;
+      ~Together() { on = false; }
+    } const together{impl_->together = true};
+    const Result<void> appended = append();
+    if (!appended.ok()) throw sqlite::Failure(appended.error().message);
+  });
 }
 
 const std::filesystem::path& EventLog::file() const { return impl_->db.file(); }

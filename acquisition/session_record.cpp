@@ -74,6 +74,7 @@ SessionInfo ReadInfo(sqlite::Database& db) {
   info.devices = TextsOf(meta["devices"]);
   // Older formats know none.
   if (meta.contains("calibrations")) info.calibrations = TextsOf(meta["calibrations"]);
+  if (meta.contains("imported")) info.imported = TextsOf(meta["imported"]);
   return info;
 }
 
