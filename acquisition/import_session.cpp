@@ -70,9 +70,9 @@ Result<void> AppendAll(EventLog& log, Samples samples, const std::string& name) 
   int poses = 0;
   double duration_s = 0;
   while (!samples.empty()) {
-    const auto next =
-        std::find_if(samples.begin(), samples.end(),
-                     [&](const MeasuredSample& m) { return m.pose != samples.front().pose; });
+    const auto next = std::find_if(samples.begin(), samples.end(), [&](const MeasuredSample& m) {
+      return m.pose != samples.front().pose;
+    });
     const auto parts = static_cast<std::size_t>(next - samples.begin());
     const Result<void> appended = AppendPose(log, ++poses, samples.first(parts));
     if (!appended.ok()) return appended;

@@ -89,7 +89,7 @@ Action SetUpImport(CLI::App& app) {
                  "600-700,500-590,440-490)");
   app.add_option("--min-separation-deg", o->min_separation_deg,
                  "Samples with light and detector nearer to each other are not fitted: one is in "
-                 "the other's light (default: rt300s 4.5, others 0)")
+                 "the other's light (default: rt300s 5.5, others 0)")
       ->check(CLI::Range(0.0, 180.0));
   app.add_option("--prior", o->prior, std::string(kPrior) + ", for its fit")->capture_default_str();
   return [o] { return ImportCommand(*o); };

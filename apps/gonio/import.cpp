@@ -23,9 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Between the arms, from readings of NiTE_on_invar and MagicBlack: at 4 deg and less the receiver
-// stands in the light.
-constexpr double kRt300sSeparationDeg = 4.5;
+// Between the arms, from readings of NiTE_on_invar and MagicBlack: up to 3 deg the receiver stands
+// in the light, at 4 and 5 deg its edge glints.
+constexpr double kRt300sSeparationDeg = 5.5;
 
 // What every command that fits a session asks its plan.
 constexpr const char* kPlanText =
@@ -120,8 +120,8 @@ SessionInfo Describe(const ImportOptions& options, const ImportedFile& file) {
   info.rig_name = file.format == "csv" ? "unknown" : file.format;
   info.plan_text = kPlanText;
   info.prior_name = plan.prior.name;
-  info.prior_spec = IsBuiltInPrior(options.prior) ? options.prior
-                                                  : fs::absolute(options.prior).string();
+  info.prior_spec =
+      IsBuiltInPrior(options.prior) ? options.prior : fs::absolute(options.prior).string();
   info.prior_sha256 = HashOf(plan.prior);
   return info;
 }
@@ -134,9 +134,10 @@ void Print(const ImportedFile& file, int shadowed) {
              file.format, file.quantity, file.channels);
   fmt::print("negative         {} samples, kept\n", negative);
   if (shadowed > 0) {
-    fmt::print("shadowed         {} samples with the arms too near to each other, kept but not "
-               "fitted\n",
-               shadowed);
+    fmt::print(
+        "shadowed         {} samples with the arms too near to each other, kept but not "
+        "fitted\n",
+        shadowed);
   }
 }
 

@@ -82,9 +82,9 @@ struct ReadingAxis {
         high = std::max(high, reading.f_r);
       }
     }
-    // The darkest decade that is told apart: that of the readings below zero, if there are any.
-    const double dark = low < 0 ? -low : std::max(high, 1e-9) / 1000;
-    linear = std::pow(10, std::floor(std::log10(dark)));
+    // The darkest decade that is told apart: below the lowest reading, if that is negative; else
+    // what black velvet reflects.
+    linear = low < 0 ? std::pow(10, std::floor(std::log10(-low / 3))) : 1e-3;
   }
   double At(double f_r) const { return std::asinh(f_r / linear); }
 
@@ -126,16 +126,16 @@ std::optional<Figure> ReadingsFigure(const ReportFacts& facts) {
       used.rows.push_back({reading.theta_o_deg, reading.usable ? y : kMissing});
       if (!reading.usable) unused.rows.push_back({reading.theta_o_deg, y});
     }
-    const char* colour = kColours[number * (std::size(kColours) - 1) /
-                                  std::max<std::size_t>(1, scans.size() - 1)];
+    const char* colour =
+        kColours[number * (std::size(kColours) - 1) / std::max<std::size_t>(1, scans.size() - 1)];
     plot.script += fmt::format(
         ", ${} using 1:2 with linespoints linewidth 1.2 pointtype 7 pointsize 0.35 linecolor '{}' "
         "title '{:.4g}°'",
         used.name, colour, theta_i / 10.0);
     if (!unused.rows.empty()) {
-      plot.script +=
-          fmt::format(", ${} using 1:2 with points pointtype 6 pointsize 0.6 linecolor '{}' notitle",
-                      unused.name, colour);
+      plot.script += fmt::format(
+          ", ${} using 1:2 with points pointtype 6 pointsize 0.6 linecolor '{}' notitle",
+          unused.name, colour);
       plot.tables.push_back(std::move(unused));
     }
     plot.tables.push_back(std::move(used));
