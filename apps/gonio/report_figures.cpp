@@ -154,7 +154,7 @@ PlotTable SliceSamples(const ReportFacts& facts, double theta_d, LogRange* range
       const double f = carry[c] * sample.f_r[c];
       const double spread = 2 * carry[c] * sample.sigma[c];
       const bool shown = f > 0 && std::isfinite(f + spread);
-      if (shown) range->Include(f);
+      if (shown) range->Include(std::max(f, kDarkest / 10));
       row.insert(row.end(), {shown ? f : kMissing, shown ? std::max(f - spread, 1e-9) : kMissing,
                              shown ? f + spread : kMissing});
     }

@@ -12,6 +12,7 @@
 #include "brdf/analytic.h"
 #include "brdf/samples_csv.h"
 #include "core/sha256.h"
+#include "core/units.h"
 #include "tests/apps/gonio_process.h"
 
 namespace gonio {
