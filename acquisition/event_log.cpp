@@ -2,7 +2,6 @@
 #include "acquisition/event_log.h"
 
 #include <fcntl.h>
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -22,15 +21,12 @@
 #include "core/dir_lock.h"
 #include "core/sha256.h"
 #include "core/units.h"
+#include "core/utc.h"
 
 namespace gonio {
 namespace {
 
 using nlohmann::json;
-
-std::string UtcNow() {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)));
-}
 
 std::vector<std::uint8_t> LittleEndian(const std::vector<std::uint16_t>& counts) {
   std::vector<std::uint8_t> bytes;
@@ -87,6 +83,7 @@ void WriteMeta(sqlite::Database& db, const SessionInfo& info) {
   put("material_sha256", info.material_sha256);
   put("devices", json(info.devices).dump());
   put("calibrations", json(info.calibrations).dump());
+  if (!info.imported.empty()) put("imported", json(info.imported).dump());
 }
 
 }  // namespace
@@ -101,9 +98,10 @@ struct EventLog::Impl {
   template <typename Body>
   Result<void> Write(const Body& body) {
     try {
-      sqlite::Transaction transaction(db);
+      std::optional<sqlite::Transaction> transaction;
+      if (!together) transaction.emplace(db);
       body();
-      transaction.Commit();
+      if (transaction) transaction->Commit();
     } catch (const sqlite::Failure& e) {
       return Error{ErrorCode::kStorage, e.what()};
     }
@@ -166,6 +164,7 @@ struct EventLog::Impl {
 
   DirLock lock;
   sqlite::Database db;
+  bool together = false;  // in the transaction of AppendTogether()
 };
 
 EventLog::EventLog(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -199,7 +198,7 @@ EventLog EventLog::Create(const std::filesystem::path& dir, SessionInfo info) {
   }
   try {
     auto impl = std::make_unique<Impl>(dir, SQLITE_OPEN_CREATE);
-    if (info.created_utc.empty()) info.created_utc = UtcNow();
+    if (info.created_utc.empty()) info.created_utc = UtcText(std::time(nullptr));
     sqlite::Transaction transaction(impl->db);
     CreateSessionTables(impl->db);
     WriteMeta(impl->db, info);
@@ -278,7 +277,7 @@ Result<void> EventLog::AppendRejection(Seconds time, const RejectionNote& note) 
 Result<void> EventLog::AppendResume(Seconds time, const ResumeNote& note) {
   return impl_->Write([&] {
     impl_->InsertEvent(time, "session_resumed",
-                       {{"utc", UtcNow()},
+                       {{"utc", UtcText(std::time(nullptr))},
                         {"gonio_version", note.gonio_version},
                         {"poses", note.poses},
                         {"changes", note.changes},
@@ -324,6 +323,17 @@ Result<void> EventLog::AppendEnd(Seconds time, const SessionEnd& end) {
                {"duration_s", end.duration.count()}};
   if (end.predicted_error) body["predicted_error"] = *end.predicted_error;
   return impl_->Write([&] { impl_->InsertEvent(time, "session_end", body); });
+}
+
+Result<void> EventLog::AppendTogether(const std::function<Result<void>()>& append) {
+  return impl_->Write([&] {
+    struct Together {
+      bool& on;
+      ~Together() { on = false; }
+    } const together{impl_->together = true};
+    const Result<void> appended = append();
+    if (!appended.ok()) throw sqlite::Failure(appended.error().message);
+  });
 }
 
 const std::filesystem::path& EventLog::file() const { return impl_->db.file(); }

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -47,6 +48,9 @@ struct SessionInfo {
   // Calibrations the samples were reduced with, copied into DIR/calibration/: file name -> SHA-256.
   std::map<std::string, std::string> calibrations;
   std::map<std::string, std::string> devices;  // role -> identity, e.g. "camera" -> "sim-camera"
+  // Where somebody else's samples are from (acquisition/import_session.h); empty: measured by us.
+  // If not, rig_text is empty: nobody knows the rig.
+  std::map<std::string, std::string> imported;
 };
 
 // How one pose went, as the log needs it beside the raw record.
@@ -131,6 +135,10 @@ class EventLog {
   // Anything else that happened: one word and one line.
   Result<void> AppendNote(Seconds time, const std::string& kind, const std::string& message);
   Result<void> AppendEnd(Seconds time, const SessionEnd& end);
+
+  // All that `append` appends to this log, or none of it, in one transaction: where nothing is
+  // measured that could be lost, thousands of poses need not each wait for the disk.
+  Result<void> AppendTogether(const std::function<Result<void>()>& append);
 
   const std::filesystem::path& file() const;
 

@@ -149,7 +149,8 @@ class Session {
     if (!reduced) return EndWith(reduced.error());
     references_.Correct(record->end, &*reduced);
     const ReferenceNote note = Compared(reference.pose, reference.before, reduced->front().sample);
-    if (!Kept([&](EventLog& log) { return log.AppendResumeReference(record->end, note); })) return false;
+    if (!Kept([&](EventLog& log) { return log.AppendResumeReference(record->end, note); }))
+      return false;
     const double change = std::abs(note.change);
     if (!(change > options_.max_reference_change && change > 4 * note.sigma_change)) return true;
     return EndWith({ErrorCode::kProtocol,
@@ -227,7 +228,8 @@ class Session {
       return Warn("reference_refused", "reference: " + visit.error().message);
     }
     if (!visit) return EndWith({visit.error().code, "reference: " + visit.error().message});
-    if (!Kept([&](EventLog& log) { return log.AppendReference(*visit, measurer_.state()); })) return false;
+    if (!Kept([&](EventLog& log) { return log.AppendReference(*visit, measurer_.state()); }))
+      return false;
     CountTime(visit->record);
     summary_.reference_visits = references_.visits();
     const std::string complaint = references_.Complaint(visit->record.end);

@@ -65,6 +65,7 @@ void TakeAll(const Meta& meta, SessionInfo* info) {
   Take(meta, "material_sha256", &info->material_sha256);
   Take(meta, "devices", &info->devices);
   Take(meta, "calibrations", &info->calibrations);
+  Take(meta, "imported", &info->imported);
 }
 
 SessionInfo ReadInfo(sqlite::Database& db) {

@@ -3,16 +3,10 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <iterator>
-#include <limits>
-#include <optional>
-#include <string_view>
-#include <utility>
 
+#include "brdf/csv_reader.h"
 #include "core/check.h"
 #include "core/error.h"
 #include "core/file.h"
@@ -25,155 +19,132 @@ constexpr const char* kColumns =
     "pose,theta_i_deg,phi_i_deg,theta_o_deg,phi_o_deg,theta_h_deg,theta_d_deg,phi_d_deg,"
     "f_r_red,f_r_green,f_r_blue,sigma_red,sigma_green,sigma_blue,time_s";
 
-std::string_view Trim(std::string_view text) {
-  const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-  while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-  while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-  return text;
+constexpr double kHorizon = kPi / 2;
+
+// An angle's column, in degrees or radians.
+struct AngleColumn {
+  CsvColumn column;
+  double unit = 1;  // radians
+
+  explicit operator bool() const { return bool(column); }
+  bool radians() const { return unit == 1; }
+};
+
+AngleColumn FindAngle(const CsvReader& csv, const std::string& angle) {
+  const AngleColumn deg{csv.Find(angle + "_deg"), RadFromDeg(1)};
+  const AngleColumn rad{csv.Find(angle + "_rad"), 1};
+  if (deg && rad) csv.Fail(fmt::format("columns {0}_deg and {0}_rad: one has to do", angle));
+  return rad ? rad : deg;
 }
 
-std::vector<std::string_view> Split(std::string_view line) {
-  std::vector<std::string_view> cells;
-  while (true) {
-    const std::size_t comma = line.find(',');
-    std::string_view cell = Trim(line.substr(0, comma));
-    if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') {
-      cell = Trim(cell.substr(1, cell.size() - 2));
+AngleColumn RequireAngle(const CsvReader& csv, const std::string& angle) {
+  AngleColumn found = FindAngle(csv, angle);
+  if (!found) csv.Fail(fmt::format("column {}_deg is missing", angle));
+  return found;
+}
+
+// The three columns of a quantity, or one that counts for all of them.
+std::array<CsvColumn, kChannels> FindChannels(const CsvReader& csv, const std::string& quantity) {
+  std::array<CsvColumn, kChannels> columns;
+  const CsvColumn grey = csv.Find(quantity);
+  for (int c = 0; c < kChannels; ++c) {
+    columns[c] = csv.Find(fmt::format("{}_{}", quantity, kChannelNames[c]));
+    if (columns[c] && grey) {
+      csv.Fail(fmt::format("columns {} and {}: one has to do", grey.name, columns[c].name));
     }
-    cells.push_back(cell);
-    if (comma == std::string_view::npos) return cells;
-    line.remove_prefix(comma + 1);
+    if (grey) columns[c] = grey;
   }
-}
-
-template <typename Number>
-std::optional<Number> ParseNumber(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);
-  Number number{};
-  const char* const end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc{} || stopped != end) return std::nullopt;
-  return number;
+  return columns;
 }
 
 class Reader {
  public:
-  Reader(const std::string& text, const std::string& name) : rest_(text), name_(name) {
-    if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);
+  Reader(const std::string& text, const std::string& name) : csv_(text, name) {
+    theta_i_ = FindAngle(csv_, "theta_i");
+    theta_h_ = FindAngle(csv_, "theta_h");
+    if (theta_i_ || !theta_h_) {
+      FindDirections();
+    } else {
+      theta_d_ = RequireAngle(csv_, "theta_d");
+      phi_d_ = RequireAngle(csv_, "phi_d");
+    }
+    for (const CsvColumn& column : f_r_) {
+      if (!column) csv_.Fail(fmt::format("column {} is missing", column.name));
+    }
   }
 
   std::vector<MeasuredSample> Read() {
-    if (!NextRow()) throw ConfigError(name_ + ": holds no header row");
-    ReadHeader();
     std::vector<MeasuredSample> samples;
-    while (NextRow()) {
-      if (cells_.size() != header_size_) {
-        Fail(fmt::format("has {} cells, the header has {}", cells_.size(), header_size_));
-      }
-      samples.push_back(ReadSample(static_cast<int>(samples.size())));
-    }
-    if (samples.empty()) throw ConfigError(name_ + ": holds no samples");
+    while (csv_.Next()) samples.push_back(ReadSample(static_cast<int>(samples.size())));
+    if (samples.empty()) throw ConfigError(csv_.name() + ": holds no samples");
     return samples;
   }
 
  private:
-  // A column that we know, and where the file has it.
-  struct Column {
-    std::string name;
-    bool required = false;
-    std::optional<std::size_t> index = std::nullopt;
-  };
-
-  [[noreturn]] void Fail(const std::string& complaint) const {
-    throw ConfigError(fmt::format("{}:{}: {}", name_, line_, complaint));
+  void FindDirections() {
+    theta_i_ = RequireAngle(csv_, "theta_i");
+    phi_ = FindAngle(csv_, "phi");
+    if (!phi_) phi_i_ = RequireAngle(csv_, "phi_i");
+    theta_o_ = RequireAngle(csv_, "theta_o");
+    if (!phi_) phi_o_ = RequireAngle(csv_, "phi_o");
   }
 
-  [[noreturn]] void FailAt(const Column& column, std::string_view complaint) const {
-    Fail(fmt::format("column {}: is \"{}\", {}", column.name, Cell(column), complaint));
-  }
+  double Angle(const AngleColumn& angle) const { return angle.unit * csv_.Finite(angle.column); }
 
-  std::string_view Cell(const Column& column) const { return cells_[*column.index]; }
-
-  // Moves to the next line that is neither blank nor a comment; false at the end.
-  bool NextRow() {
-    while (!rest_.empty()) {
-      const std::size_t end = rest_.find('\n');
-      const std::string_view line = Trim(rest_.substr(0, end));
-      rest_.remove_prefix(end == std::string_view::npos ? rest_.size() : end + 1);
-      ++line_;
-      if (line.empty() || line.starts_with('#')) continue;
-      cells_ = Split(line);
-      return true;
+  // An arm that has passed the normal is on the other side.
+  Eigen::Vector3d Direction(const AngleColumn& theta, double phi) const {
+    const double polar = Angle(theta);
+    if (!(std::abs(polar) < kHorizon)) {
+      csv_.FailAt(theta.column,
+                  fmt::format("must be within {}; the direction lies below the horizon",
+                              theta.radians() ? "-pi/2 .. pi/2" : "-90 .. 90"));
     }
-    return false;
+    return FromSpherical(polar, phi);
   }
 
-  void ReadHeader() {
-    header_size_ = cells_.size();
-    std::vector<Column*> known = {&pose_, &theta_i_, &phi_i_, &theta_o_, &phi_o_, &time_};
-    for (int c = 0; c < kChannels; ++c) {
-      f_r_[c] = {fmt::format("f_r_{}", kChannelNames[c]), true};
-      sigma_[c] = {fmt::format("sigma_{}", kChannelNames[c])};
-      known.insert(known.end(), {&f_r_[c], &sigma_[c]});
+  DirectionPair Directions() const {
+    if (theta_i_ && phi_) return {Direction(theta_i_, 0), Direction(theta_o_, Angle(phi_))};
+    if (theta_i_) {
+      return {Direction(theta_i_, Angle(phi_i_)), Direction(theta_o_, Angle(phi_o_))};
     }
-    for (Column* column : known) {
-      const auto found = std::find(cells_.begin(), cells_.end(), column->name);
-      if (found == cells_.end()) {
-        if (column->required) Fail(fmt::format("column {} is missing", column->name));
-        continue;
-      }
-      if (std::find(found + 1, cells_.end(), column->name) != cells_.end()) {
-        Fail(fmt::format("column {} stands twice", column->name));
-      }
-      column->index = static_cast<std::size_t>(found - cells_.begin());
+    const double theta_h = Angle(theta_h_);
+    const double theta_d = Angle(theta_d_);
+    if (theta_h < 0) csv_.FailAt(theta_h_.column, "must be >= 0");
+    if (theta_d < 0) csv_.FailAt(theta_d_.column, "must be >= 0");
+    const DirectionPair pair = ToDirections({theta_h, theta_d, Angle(phi_d_)});
+    if (theta_h >= kHorizon || theta_d >= kHorizon || !pair.above_horizon()) {
+      csv_.FailAt(theta_h_.column,
+                  "with this theta_d and phi_d a direction lies below the horizon");
     }
+    return pair;
   }
 
-  double Finite(const Column& column) const {
-    const auto number = ParseNumber<double>(Cell(column));
-    if (!number || !std::isfinite(*number)) FailAt(column, "must be a finite number");
-    return *number;
-  }
-
-  Eigen::Vector3d Direction(const Column& theta, const Column& phi) const {
-    const double deg = Finite(theta);
-    if (deg < 0) FailAt(theta, "must be >= 0; for the other side, add 180 to phi");
-    if (deg >= 90) FailAt(theta, "must be < 90; the direction lies below the horizon");
-    return FromSpherical(RadFromDeg(deg), RadFromDeg(Finite(phi)));
-  }
-
-  double Sigma(const Column& column, double f_r) const {
-    if (!column.index) return kDefaultRelativeSigma * std::abs(f_r) + kDefaultSigmaFloor;
-    const auto number = ParseNumber<double>(Cell(column));
-    if (!number || !(*number > 0)) FailAt(column, "must be a number > 0, or inf");
+  double Sigma(const CsvColumn& column, double f_r) const {
+    if (!column) return kDefaultRelativeSigma * std::abs(f_r) + kDefaultSigmaFloor;
+    const auto number = csv_.Number(column);
+    if (!number || !(*number > 0)) csv_.FailAt(column, "must be a number > 0, or inf");
     return *number;
   }
 
   MeasuredSample ReadSample(int row) const {
-    MeasuredSample measured{.pose = row, .sample = {}};
-    if (pose_.index) {
-      const auto number = ParseNumber<int>(Cell(pose_));
-      if (!number) FailAt(pose_, "must be a whole number");
-      measured.pose = *number;
-    }
-    measured.sample.directions = {Direction(theta_i_, phi_i_), Direction(theta_o_, phi_o_)};
+    MeasuredSample measured{.pose = pose_ ? csv_.Whole(pose_) : row, .sample = {}};
+    measured.sample.directions = Directions();
     for (int c = 0; c < kChannels; ++c) {
-      measured.sample.f_r[c] = Finite(f_r_[c]);
+      measured.sample.f_r[c] = csv_.Finite(f_r_[c]);
       measured.sample.sigma[c] = Sigma(sigma_[c], measured.sample.f_r[c]);
     }
-    if (time_.index) measured.time_s = Finite(time_);
+    if (time_) measured.time_s = csv_.Finite(time_);
     return measured;
   }
 
-  std::string_view rest_;
-  const std::string& name_;
-  int line_ = 0;
-  std::vector<std::string_view> cells_;
-  std::size_t header_size_ = 0;
-  Column pose_{"pose"}, time_{"time_s"};
-  Column theta_i_{"theta_i_deg", true}, phi_i_{"phi_i_deg", true};
-  Column theta_o_{"theta_o_deg", true}, phi_o_{"phi_o_deg", true};
-  std::array<Column, kChannels> f_r_, sigma_;
+  CsvReader csv_;
+  // Either the first four or, in place of the azimuths, phi_; or the last three.
+  AngleColumn theta_i_, phi_i_, theta_o_, phi_o_, phi_;
+  AngleColumn theta_h_, theta_d_, phi_d_;
+  const CsvColumn pose_ = csv_.Find("pose");
+  const CsvColumn time_ = csv_.Find("time_s");
+  const std::array<CsvColumn, kChannels> f_r_ = FindChannels(csv_, "f_r");
+  const std::array<CsvColumn, kChannels> sigma_ = FindChannels(csv_, "sigma");
 };
 
 double PolarDeg(const Eigen::Vector3d& w) {

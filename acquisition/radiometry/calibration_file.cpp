@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "acquisition/radiometry/calibration_file.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string_view>
 
@@ -17,6 +14,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/sha256.h"
+#include "core/utc.h"
 
 namespace gonio {
 namespace {
@@ -127,25 +125,6 @@ SiteImage ReadSiteImage(const ConfigNode& node, const std::filesystem::path& fol
 }
 
 }  // namespace
-
-std::string UtcText(std::int64_t seconds) {
-  return fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(static_cast<std::time_t>(seconds)));
-}
-
-std::optional<std::int64_t> SecondsOfUtc(const std::string& text) {
-  int y = 0;
-  unsigned month = 0, d = 0, h = 0, m = 0, s = 0;
-  if (std::sscanf(text.c_str(), "%4d-%2u-%2uT%2u:%2u:%2uZ", &y, &month, &d, &h, &m, &s) != 6) {
-    return std::nullopt;
-  }
-  const std::chrono::year_month_day date{std::chrono::year(y), std::chrono::month(month),
-                                         std::chrono::day(d)};
-  if (!date.ok()) return std::nullopt;
-  const std::int64_t days = std::chrono::sys_days(date).time_since_epoch().count();
-  const std::int64_t seconds = days * 86400 + h * 3600 + m * 60 + s;
-  // Whatever is not written like this is not such a date.
-  return UtcText(seconds) == text ? std::optional(seconds) : std::nullopt;
-}
 
 void WriteCalibration(const std::filesystem::path& path, const CalibrationData& data) {
   std::string text = HeaderText(data) + NumbersText(data);

@@ -81,8 +81,4 @@ struct CalibrationHeader {
 // Throws ConfigError as above, but judges neither kind, camera, age nor images.
 CalibrationHeader ReadCalibrationHeader(const std::filesystem::path& path);
 
-// "2024-05-03T09:12:44Z" and back; empty if it is no such date.
-std::string UtcText(std::int64_t seconds);
-std::optional<std::int64_t> SecondsOfUtc(const std::string& text);
-
 }  // namespace gonio

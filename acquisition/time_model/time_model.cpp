@@ -12,6 +12,7 @@
 #include "core/config.h"
 #include "core/file.h"
 #include "core/units.h"
+#include "core/utc.h"
 #include "drivers/move_time.h"
 
 namespace gonio {

@@ -7,6 +7,7 @@
 
 #include "apps/gonio/calibrate_cli.h"
 #include "apps/gonio/commands.h"
+#include "apps/gonio/import.h"
 #include "core/error.h"
 
 namespace gonio {
@@ -83,16 +84,37 @@ Action SetUpExport(CLI::App& app) {
       ->required();
   app.add_option("--to", o->format,
                  "merl: the full table (of a session, from its fit); csv: a session's samples")
-      ->required()
       ->check(CLI::IsMember({"merl", "csv"}));
-  app.add_option("output", o->out, "File to write")->required();
+  app.add_option("output", o->out, "File to write, for --to");
+  app.add_option("--frames", o->frames,
+                 "Folder to make for a session's raw frames: a .tiff each with its .yaml");
   return [o] { return ExportCommand(*o); };
+}
+
+Action SetUpImport(CLI::App& app) {
+  auto o = std::make_shared<ImportOptions>();
+  app.add_option("file", o->file, "Samples .csv, RT-300S .csv or Cornell .brdf")->required();
+  app.add_option("--out", o->out, "Session directory to make; must not exist")->required();
+  app.add_option("--format", o->format, "auto: by the file's name and header")
+      ->check(CLI::IsMember({"auto", "csv", "rt300s", "cornell"}))
+      ->capture_default_str();
+  app.add_option("--bands-nm", o->bands_nm,
+                 "cornell: wavelengths that make red, green and blue (default: "
+                 "600-700,500-590,440-490)");
+  app.add_option("--min-separation-deg", o->min_separation_deg,
+                 "Samples with light and detector nearer to each other are not fitted: one is in "
+                 "the other's light (default: rt300s 5.5, others 0)")
+      ->check(CLI::Range(0.0, 180.0));
+  app.add_option("--prior", o->prior, std::string(kPrior) + ", for its fit")->capture_default_str();
+  return [o] { return ImportCommand(*o); };
 }
 
 Action SetUpCompare(CLI::App& app) {
   auto o = std::make_shared<CompareOptions>();
   constexpr const char* kKinds = ": .binary, .bsdf, material .yaml, fit .yaml or session";
-  app.add_option("reference", o->reference, std::string("The truth") + kKinds)->required();
+  app.add_option("reference", o->reference,
+                 std::string("The truth") + kKinds + "; or samples .csv, to compare there only")
+      ->required();
   app.add_option("other", o->other, std::string("What is judged") + kKinds)->required();
   app.add_option("--json", o->json, "Write the metrics to this file, too (\"-\": standard output)");
   app.add_option("--max-theta-deg", o->max_theta_deg, "Leave out directions nearer the horizon")
@@ -316,6 +338,7 @@ constexpr Command kCommands[] = {
      SetUpCalibrate},
     {"fit", "Fit a table, samples or a session again", SetUpFit},
     {"export", "Write a session, fit or material in other people's formats", SetUpExport},
+    {"import", "Make a session of what another instrument has measured", SetUpImport},
     {"compare", "How far one reflectance is from another", SetUpCompare},
     {"prior", "Learn a prior from materials that were measured densely", SetUpPrior},
     {"simulate", "What plans would cost and bring on a rig; keeps no session", SetUpSimulate},

@@ -146,8 +146,9 @@ int RenderCommand(const RenderCommandOptions& options);
 
 struct ExportOptions {
   std::filesystem::path input;
-  std::string format;  // "merl" or "csv"
+  std::string format;  // "merl", "csv", or empty: only frames
   std::filesystem::path out;
+  std::filesystem::path frames;  // a folder to make for a session's raw frames; empty: none
 };
 int ExportCommand(const ExportOptions& options);
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <vector>
 
 #include "apps/gonio/commands.h"
 #include "apps/gonio/json_file.h"
@@ -17,6 +18,8 @@
 #include "brdf/render/environment.h"
 #include "brdf/render/image_metrics.h"
 #include "brdf/render/sphere.h"
+#include "brdf/sample_metrics.h"
+#include "brdf/samples_csv.h"
 #include "core/error.h"
 #include "core/units.h"
 
@@ -81,9 +84,42 @@ nlohmann::json ToJson(const ErrorMetrics& m) {
       {"missing", m.missing}};
 }
 
+// A reference that is known at some poses only.
+int CompareWithSamples(const CompareOptions& options) {
+  std::vector<BrdfSample> samples;
+  for (const MeasuredSample& row : ReadSamplesCsv(options.reference)) {
+    samples.push_back(row.sample);
+  }
+  const std::unique_ptr<Brdf> other = OpenAny(LocateConfig(options.other.string()));
+  const SampleMetrics m = CompareSamples(samples, *other, RadFromDeg(options.max_theta_deg));
+  if (m.readings == 0) {
+    throw ConfigError(options.reference.string() + ": has no sample that can be compared");
+  }
+  if (options.json != "-") {
+    fmt::print("MALE              {:.6g}\n", m.male);
+    fmt::print("log-relative RMS  {:.6g}\n", m.log_relative_rms);
+    fmt::print("RMS               {:<12.6g}  1/sr\n", m.rms);
+    fmt::print("RMS / sigma       {:.6g}\n", m.z_rms);
+    fmt::print("readings          {} compared, {} left out\n", m.readings, m.left_out);
+  }
+  if (!options.json.empty()) {
+    WriteJson(options.json, {{"male", m.male},
+                             {"log_relative_rms", m.log_relative_rms},
+                             {"rms", m.rms},
+                             {"z_rms", m.z_rms},
+                             {"readings", m.readings},
+                             {"left_out", m.left_out},
+                             {"reference", options.reference.string()},
+                             {"other", options.other.string()},
+                             {"max_theta_deg", options.max_theta_deg}});
+  }
+  return kDone;
+}
+
 }  // namespace
 
 int CompareCommand(const CompareOptions& options) {
+  if (options.reference.extension() == ".csv") return CompareWithSamples(options);
   const std::unique_ptr<Brdf> reference = OpenAny(LocateConfig(options.reference.string()));
   const std::unique_ptr<Brdf> other = OpenAny(LocateConfig(options.other.string()));
   MetricOptions metric_options = AllCores();

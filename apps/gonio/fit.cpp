@@ -13,6 +13,7 @@
 #include "apps/gonio/summary.h"
 #include "brdf/merl_table.h"
 #include "brdf/open.h"
+#include "brdf/sample_metrics.h"
 #include "brdf/samples_csv.h"
 #include "core/error.h"
 #include "fitting/table_fit.h"
@@ -82,6 +83,13 @@ void PrintSlices(const SlicedDsbrdf& fit) {
   }
 }
 
+void PrintResiduals(const std::vector<BrdfSample>& samples, const Brdf& fit) {
+  const SampleMetrics m = CompareSamples(samples, fit);
+  if (m.readings == 0) return;
+  fmt::print("MALE             {:.4g} at its own samples; they are off by {:.1f} sigma rms\n",
+             m.male, m.z_rms);
+}
+
 void PrintSize(int parameters) {
   constexpr int kTableNumbers = kChannels * MerlTable::kCells;
   fmt::print("size             {} numbers for a table of {}: {:.0f} times smaller\n", parameters,
@@ -123,6 +131,8 @@ int FitCommand(const FitCommandOptions& options) {
   PrintSize(fit.parameters);
   if (const auto* brdf = std::get_if<std::unique_ptr<Brdf>>(&input)) {
     PrintMale(**brdf, *fit.model, "the input");
+  } else {
+    PrintResiduals(std::get<std::vector<BrdfSample>>(input), *fit.model);
   }
   fmt::print("wrote            {}\n", options.out.string());
   return fit.failures.empty() ? kDone : kFailed;

@@ -48,6 +48,11 @@ class Replay {
  public:
   explicit Replay(const ReplayOptions& options)
       : options_(options), record_(ReadSession(options.session)), history_(HistoryOf(record_)) {
+    if (!record_.info.imported.empty()) {
+      throw ConfigError(options.session.string() +
+                        ": was imported: no decision of it is ours; gonio fit and gonio report "
+                        "work on its samples");
+    }
     if (options.out.empty()) return;
     if (!fs::create_directory(options.out)) {
       throw ConfigError(options.out.string() + ": exists already; name another");

@@ -53,6 +53,7 @@ void AddUpTimes(ReportFacts* facts) {
   if (facts->session.end) t.total = facts->session.end->duration;
   t.other = std::max(Seconds(0), t.total - t.homing - t.travel - t.settling - t.exposing);
   const auto poses = static_cast<double>(facts->session.poses.size());
+  if (!facts->session.info.imported.empty()) return;
   t.exposing_per_pose = poses > 0 ? t.exposing / poses : NominalExposing(facts->rig);
 }
 
@@ -135,15 +136,19 @@ ReportFacts GatherFacts(const std::filesystem::path& dir) {
   facts.dir = dir;
   facts.session = ReadSession(dir);
   facts.plan = ParsePlan(facts.session.info.plan_text, facts.session.info.plan_path);
-  facts.rig = RigOf(facts.session.info);
+  // Nobody knows the rig of imported samples, and so not what else it would take.
+  const bool imported = !facts.session.info.imported.empty();
+  if (!imported) facts.rig = RigOf(facts.session.info);
   try {
     ReadEvents(&facts);
   } catch (const json::exception& e) {
     throw ConfigError((dir / kSessionFile).string() + ": is damaged: " + e.what());
   }
   AddUpTimes(&facts);
-  facts.dense = EstimateDenseScan(facts.rig, facts.times.exposing_per_pose);
-  facts.thinned = EstimateDenseScan(facts.rig, facts.times.exposing_per_pose, kThinnedShare);
+  if (!imported) {
+    facts.dense = EstimateDenseScan(facts.rig, facts.times.exposing_per_pose);
+    facts.thinned = EstimateDenseScan(facts.rig, facts.times.exposing_per_pose, kThinnedShare);
+  }
   facts.planner_error = PlannerError(facts.session);
   MakeFit(&facts);
   OpenTruth(&facts);

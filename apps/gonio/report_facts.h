@@ -44,7 +44,7 @@ struct ReportFacts {
   std::filesystem::path dir;
   SessionRecord session;
   Plan plan;
-  RigConfig rig;
+  RigConfig rig;  // default for imported samples, as the two estimates below are
   std::vector<Refusal> refusals;
   std::vector<std::string> device_errors;
   SessionTimes times;

@@ -9,6 +9,7 @@
 
 #include "acquisition/kinematics.h"
 #include "apps/gonio/report_axes.h"
+#include "apps/gonio/report_imported.h"
 
 namespace gonio {
 namespace {
@@ -86,10 +87,11 @@ int NumberOfLast(const ReportFacts& facts) {
 }
 
 std::string PoseMapCaption(const ReportFacts& facts) {
-  std::string caption = fmt::format(
-      "The {} measured poses, coloured by the order they were measured in. Grey: poses of the "
-      "plan's raster that this rig can reach.",
-      facts.session.poses.size());
+  std::string caption =
+      fmt::format("The {} measured poses, coloured by the order they were measured in.",
+                  facts.session.poses.size());
+  if (IsImported(facts)) return caption;
+  caption += " Grey: poses of the plan's raster that this rig can reach.";
   if (facts.plan.kind == PlannerKind::kInformation) {
     caption +=
         " Diamonds: the fixed opening; every later pose was chosen from the uncertainty of the "
@@ -152,12 +154,24 @@ PlotTable SliceSamples(const ReportFacts& facts, double theta_d, LogRange* range
       const double f = carry[c] * sample.f_r[c];
       const double spread = 2 * carry[c] * sample.sigma[c];
       const bool shown = f > 0 && std::isfinite(f + spread);
-      if (shown) range->Include(f);
+      if (shown) range->Include(std::max(f, kDarkest / 10));
       row.insert(row.end(), {shown ? f : kMissing, shown ? std::max(f - spread, 1e-9) : kMissing,
                              shown ? f + spread : kMissing});
     }
   }
   if (table.rows.empty()) table.rows.emplace_back(10, kMissing);
+  return table;
+}
+
+// sqrt(theta_h) of samples in the slice with a usable reading that no logarithmic axis can show.
+PlotTable SliceBelowZero(const ReportFacts& facts, double theta_d) {
+  PlotTable table{"below", {}};
+  for (const BrdfSample& sample : facts.session.Samples()) {
+    const HalfDiff angles = ToHalfDiff(sample.directions);
+    if (std::abs(angles.theta_d - theta_d) > kSliceReach) continue;
+    if (!(sample.f_r <= 0 && sample.sigma.isFinite()).any()) continue;
+    table.rows.push_back({SqrtDeg(angles.theta_h)});
+  }
   return table;
 }
 
@@ -186,7 +200,7 @@ std::string SlicePlotCommand(bool truth, double size) {
         "$curves using 1:{} with lines linewidth 1.3 dashtype (4,4) linecolor '#1f2933' {}, ",
         5 + 4 * c, c == 0 ? "title 'truth'" : "notitle");
   }
-  command += "NaN with points pointtype 7 pointsize 0.7 linecolor '#7b8794' title 'measured'\n";
+  command += "NaN with points pointtype 7 pointsize 0.7 linecolor '#7b8794' title 'measured'";
   return command;
 }
 
@@ -204,8 +218,9 @@ Figure PoseMapFigure(const ReportFacts& facts) {
   Plot plot{.title = "Measured poses on the map of half and difference angles",
             .width = 760,
             .height = 470,
-            .script = ThetaHAxis() + kPoseMapScript,
-            .tables = {ReachableCells(facts)}};
+            .script = ThetaHAxis() + kPoseMapScript};
+  const bool imported = IsImported(facts);
+  if (!imported) plot.tables.push_back(ReachableCells(facts));
   PlotTable opening{"opening", {}};
   PlotTable chosen{"chosen", {}};
   PlotTable refused{"refused", {}};
@@ -218,8 +233,8 @@ Figure PoseMapFigure(const ReportFacts& facts) {
   for (const Refusal& refusal : facts.refusals) {
     refused.rows.push_back(MapPoint(refusal.angles, 0));
   }
-  plot.script +=
-      fmt::format("set cbrange [1:{}]\nplot {}", std::max(2, NumberOfLast(facts)), kReachableLayer);
+  plot.script += fmt::format("set cbrange [1:{}]\nplot {}", std::max(2, NumberOfLast(facts)),
+                             imported ? "NaN notitle" : kReachableLayer);
   if (!chosen.rows.empty()) {
     const double size = PointSize(facts);
     plot.script += fmt::format(kChosenLayer, Quoted(reason), 0.95 * size, 0.75 * size);
@@ -242,9 +257,18 @@ Figure SliceFigure(const ReportFacts& facts, double theta_d) {
                 fmt::format(
                     "set ylabel '{{/:Italic f}}_r [1/sr]'\n"
                     "set title '{{/:Italic θ}}_d = {:.0f}°' font ',15' textcolor '#1f2933'\n"
+                    "set y2range [0:1]\n"
                     "set key below center horizontal samplen 1 width -4\n",
                     DegFromRad(theta_d)) +
                 SlicePlotCommand(facts.truth != nullptr, PointSize(facts));
+  PlotTable below = SliceBelowZero(facts, theta_d);
+  if (!below.rows.empty()) {
+    plot.script +=
+        ", $below using 1:(0.02) axes x1y2 with points pointtype 11 pointsize 0.7 linecolor "
+        "'#323f4b' title 'zero or below'";
+    plot.tables.push_back(std::move(below));
+  }
+  plot.script += "\n";
   return {std::move(plot), ""};
 }
 

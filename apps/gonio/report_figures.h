@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "apps/gonio/plot.h"
@@ -18,6 +19,10 @@ struct Figure {
 
 // Where on the (theta_h, theta_d) map was measured, and in which order.
 Figure PoseMapFigure(const ReportFacts& facts);
+
+// f_r over theta_o in the plane of incidence, scan by scan, on an axis that shows what is below
+// zero. Empty without three readings in the plane at one theta_i.
+std::optional<Figure> ReadingsFigure(const ReportFacts& facts);
 
 // f_r over theta_h at one theta_d [rad]: fit, band, truth and the samples nearby. No caption: a
 // page shows several and describes them once. Precondition: facts.fit.

@@ -9,6 +9,7 @@
 
 #include "apps/gonio/progress.h"
 #include "apps/gonio/report_figures.h"
+#include "apps/gonio/report_imported.h"
 #include "apps/gonio/report_style.h"
 #include "core/sha256.h"
 
@@ -80,6 +81,9 @@ std::string Tile(const std::string& number, const std::string& what, const std::
 
 std::string MaterialName(const ReportFacts& facts) {
   if (facts.truth) return facts.truth->name();
+  if (IsImported(facts)) {
+    return std::filesystem::path(ImportedFact(facts, "file")).stem().string();
+  }
   const std::filesystem::path material = facts.session.info.material_path;
   return material.empty() ? std::filesystem::absolute(facts.dir).filename().string()
                           : material.stem().string();
@@ -93,6 +97,13 @@ std::string Percent(double share) {
 
 std::string Header(const ReportFacts& facts) {
   const SessionInfo& info = facts.session.info;
+  if (IsImported(facts)) {
+    return fmt::format(
+        "<header>\n<p class=\"kind\">Goniopilot session report</p>\n<h1>{}</h1>\n"
+        "<p>Imported from “{}” on {}</p>\n</header>\n",
+        XmlText(MaterialName(facts)), XmlText(ImportedFact(facts, "file")),
+        XmlText(Date(info.created_utc)));
+  }
   return fmt::format(
       "<header>\n<p class=\"kind\">Goniopilot session report</p>\n<h1>{}</h1>\n"
       "<p>{} plan on the rig “{}”, seed {}, {}</p>\n</header>\n",
@@ -100,7 +111,24 @@ std::string Header(const ReportFacts& facts) {
       XmlText(Date(info.created_utc)));
 }
 
+std::string ImportedTiles(const ReportFacts& facts) {
+  const auto samples = static_cast<double>(facts.session.Samples().size());
+  const int negative = NegativeSamples(facts.session);
+  std::string html = "<div class=\"tiles\">\n";
+  html += Tile(fmt::format("{:.0f}", samples), "samples",
+               fmt::format("at {} poses", facts.session.poses.size()));
+  html += Tile(samples > 0 ? Percent(negative / samples) : "0 %", "below zero",
+               fmt::format("{} samples, kept", negative));
+  html += Tile(fmt::format("{}", UnusableSamples(facts.session)), "not fitted",
+               "kept, but marked as unusable");
+  if (facts.times.total > Seconds(0)) {
+    html += Tile(ForPeople(facts.times.total), "by its clock", "from the first to the last sample");
+  }
+  return html + "</div>\n";
+}
+
 std::string Tiles(const ReportFacts& facts) {
+  if (IsImported(facts)) return ImportedTiles(facts);
   const auto poses = static_cast<double>(facts.session.poses.size());
   std::string html = "<div class=\"tiles\">\n";
   if (facts.male) {
@@ -141,6 +169,11 @@ std::string Summary(const ReportFacts& facts) {
     fit = fmt::format("{} lobes × {} knots to {} readings; model error {:.1f} %", shape.lobes,
                       shape.knots, s.residuals, 100 * s.model_error);
   }
+  if (IsImported(facts)) {
+    std::vector<std::pair<std::string, std::string>> rows = SourceRows(facts);
+    rows.insert(rows.end(), {{"Prior", info.prior_name}, {"Fit", fit}});
+    return FactTable(rows);
+  }
   return FactTable({
       {"Material", info.material_path.empty() ? "a real sample" : info.material_path},
       {"Rig", facts.rig.name + (facts.rig.simulated ? " (simulated)" : "")},
@@ -167,7 +200,8 @@ std::string Slices(const ReportFacts& facts) {
   caption += fmt::format(
       "Dots: samples measured within ±{:.0f}° of θ_d at any φ_d, with bars of ±2σ, carried along "
       "the fit to θ_d, so that their distance from the line is their residual; rings are channels "
-      "that coincide. Shaded: directions beyond 80° from the normal (at φ_d = 90°), which errors "
+      "that coincide; triangles at the bottom: samples that are zero or below in some channel. "
+      "Shaded: directions beyond 80° from the normal (at φ_d = 90°), which errors "
       "do "
       "not count. The vertical axis is logarithmic.",
       DegFromRad(kSliceReach));
@@ -206,20 +240,22 @@ std::string Durations(const ReportFacts& facts) {
 }
 
 // "0.1834 ± 0.0023": two digits of the uncertainty, and f_r to the same place.
-std::string Reading(double f_r, double sigma) {
-  if (!std::isfinite(sigma)) return "saturated";
+std::string Reading(double f_r, double sigma, bool imported) {
+  if (!std::isfinite(sigma)) {
+    return imported ? fmt::format("{:.4g} <i>not fitted</i>", f_r) : "saturated";
+  }
   const int places = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9);
   return fmt::format("{:.{}f} <i>± {:.{}f}</i>", f_r, places, sigma, places);
 }
 
-std::string SampleRow(const MeasuredPose& pose, const BrdfSample& sample) {
+std::string SampleRow(const MeasuredPose& pose, const BrdfSample& sample, bool imported) {
   const HalfDiff angles = ToHalfDiff(sample.directions);
   std::string row = fmt::format(
       "<tr><td>{}</td><td class=\"text\">{}</td><td>{:.2f}</td><td>{:.2f}</td><td>{:.1f}</td>",
       pose.pose, XmlText(pose.reason), DegFromRad(angles.theta_h), DegFromRad(angles.theta_d),
       DegFromRad(angles.phi_d));
   for (int c = 0; c < kChannels; ++c) {
-    row += "<td>" + Reading(sample.f_r[c], sample.sigma[c]) + "</td>";
+    row += "<td>" + Reading(sample.f_r[c], sample.sigma[c], imported) + "</td>";
   }
   return row + fmt::format("<td>{}</td><td>{:.1f}</td></tr>\n", pose.frames, pose.end.count());
 }
@@ -227,7 +263,8 @@ std::string SampleRow(const MeasuredPose& pose, const BrdfSample& sample) {
 std::string Samples(const ReportFacts& facts) {
   std::vector<std::string> rows;
   for (const MeasuredPose& pose : facts.session.poses) {
-    for (const BrdfSample& sample : pose.samples) rows.push_back(SampleRow(pose, sample));
+    for (const BrdfSample& sample : pose.samples)
+      rows.push_back(SampleRow(pose, sample, IsImported(facts)));
   }
   const std::size_t shown = std::min(rows.size(), kRowsShown);
   std::string html = Typeset(
@@ -264,11 +301,13 @@ std::string Refusals(const ReportFacts& facts) {
 
 std::string Identities(const ReportFacts& facts) {
   const SessionInfo& info = facts.session.info;
+  const bool imported = IsImported(facts);
   std::vector<std::pair<std::string, std::string>> rows = {
       {"Session", std::filesystem::absolute(facts.dir).lexically_normal().string()},
-      {"Measured with", "gonio " + info.gonio_version},
+      {imported ? "Imported with" : "Measured with", "gonio " + info.gonio_version},
       {"Reported with", "gonio " GONIO_VERSION},
-      {"Rig file, SHA-256", Sha256(info.rig_text)},
+      {"Imported file, SHA-256", ImportedFact(facts, "sha256")},
+      {"Rig file, SHA-256", imported ? "" : Sha256(info.rig_text)},
       {"Plan file, SHA-256", Sha256(info.plan_text)},
       {"Prior, SHA-256", info.prior_sha256},
       {"Material file, SHA-256", info.material_sha256},
@@ -288,12 +327,17 @@ std::string ReportPage(const ReportFacts& facts) {
   std::string body = Header(facts) + Tiles(facts) + RemarkList(facts);
   body += Section("session", "The session", Summary(facts));
   body += Section("poses", "Where it measured", FigureHtml(PoseMapFigure(facts), "map"));
+  if (IsImported(facts)) {
+    if (const std::optional<Figure> readings = ReadingsFigure(facts)) {
+      body += Section("readings", "Readings as they came", FigureHtml(*readings, "scans"));
+    }
+  }
   if (facts.fit) body += Section("slices", "Predicted reflectance", Slices(facts));
   if (HasErrorFigure(facts)) {
     body += Section("error", "Error over the number of poses",
                     FigureHtml(ErrorFigure(facts), "errors"));
   }
-  body += Section("time", "Time, planned and dense", Durations(facts));
+  if (!IsImported(facts)) body += Section("time", "Time, planned and dense", Durations(facts));
   if (facts.fit) {
     body += Section("lobes", "The lobes of the fit", FigureHtml(LobeFigure(facts), "lobe"));
   }

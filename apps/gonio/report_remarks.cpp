@@ -3,6 +3,7 @@
 
 #include <algorithm>
 
+#include "apps/gonio/report_imported.h"
 #include "apps/gonio/report_page.h"
 
 namespace gonio {
@@ -40,7 +41,18 @@ void RemarkOnPoses(const ReportFacts& facts, Sentences* remarks) {
     remarks->push_back(fmt::format("{} {} repeated because an axis had missed its target.", retries,
                                    retries == 1 ? "move was" : "moves were"));
   }
-  if (const int lost = LostReadings(facts.session); lost > 0) {
+  if (const int negative = NegativeSamples(facts.session); IsImported(facts) && negative > 0) {
+    remarks->push_back(fmt::format(
+        "{} of {} samples are below zero in some channel. They are readings like the others: kept, "
+        "fitted and shown.",
+        negative, facts.session.Samples().size()));
+  }
+  if (const int lost = LostReadings(facts.session); lost > 0 && IsImported(facts)) {
+    remarks->push_back(fmt::format(
+        "{} of {} channel readings are marked as unusable and not fitted: where light and detector "
+        "are too near to each other one shadows the other.",
+        lost, kChannels * facts.session.Samples().size()));
+  } else if (lost > 0) {
     remarks->push_back(fmt::format(
         "{} of {} channel readings saturated in every frame and were left out of the fit.", lost,
         kChannels * facts.session.poses.size()));

@@ -39,6 +39,9 @@ class Resumption {
   }
 
   int Run() {
+    if (!record_.info.imported.empty()) {
+      throw ConfigError(dir_.string() + ": was imported: there is no rig to go on with");
+    }
     if (tail_.damaged > 0) {
       fmt::print(stderr,
                  "gonio: warning: {}: the last {} pages of the write-ahead log are damaged, the "
@@ -158,7 +161,8 @@ class Resumption {
   void ReduceLast() {
     if (!record_.unreduced) return;
     const MeasuredPose& pose = *record_.unreduced;
-    const auto samples = Rereduction(dir_, setup_.rig.config, calibrations_, HistoryOf(record_).visits).Of(pose);
+    const auto samples =
+        Rereduction(dir_, setup_.rig.config, calibrations_, HistoryOf(record_).visits).Of(pose);
     if (!samples) throw std::runtime_error(samples.error().message);
     if (auto kept = log_.AppendSamples(pose.pose, pose.end, *samples); !kept) {
       throw std::runtime_error(kept.error().message);

@@ -13,6 +13,7 @@
 #include "apps/gonio/open_any.h"
 #include "core/error.h"
 #include "core/sha256.h"
+#include "core/utc.h"
 
 namespace gonio {
 namespace {

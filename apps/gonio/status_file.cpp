@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "apps/gonio/status_file.h"
 
-#include <fmt/chrono.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <ctime>
@@ -10,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/file.h"
+#include "core/utc.h"
 
 namespace gonio {
 namespace {
@@ -50,10 +49,9 @@ void StatusFile::End(const SessionSummary& summary) {
 }
 
 void StatusFile::Write() const {
-  json status = {
-      {"state", ToString(state_)},
-      {"process", static_cast<long>(::getpid())},
-      {"updated_utc", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}};
+  json status = {{"state", ToString(state_)},
+                 {"process", static_cast<long>(::getpid())},
+                 {"updated_utc", UtcText(std::time(nullptr))}};
   if (progress_) {
     status["poses"] = progress_->poses;
     status["max_poses"] = progress_->max_poses;

@@ -123,6 +123,44 @@ TEST(SamplesCsv, PutsUpWithWhatSpreadsheetsDo) {
   EXPECT_TRUE((samples[0].sample.f_r == Rgb(0.1, 0.2, 0.3)).all());
 }
 
+double PolarDeg(const Eigen::Vector3d& w) { return DegFromRad(std::acos(w.z())); }
+
+// An arm in the plane of incidence passes the normal: -20 is 20 on the side of phi + 180.
+TEST(SamplesCsv, TakesANegativePolarAngleForTheOtherSide) {
+  const auto samples = Parse(kHeader + "30,0,-20,0,1,1,1\n30,0,20,180,1,1,1\n");
+  EXPECT_LT((samples[0].sample.directions.wo - samples[1].sample.directions.wo).norm(), 1e-15);
+  EXPECT_LT(samples[0].sample.directions.wo.x(), 0);
+}
+
+// Example failure is phi counted from the detector, or 0 taken for the mirror's side.
+TEST(SamplesCsv, ReadsOneAzimuthBetweenLightAndDetectorAndOneChannel) {
+  const auto samples = Parse("theta_i_deg,theta_o_deg,phi_deg,f_r,sigma\n30,40,0,-0.5,0.1\n");
+  const BrdfSample& sample = samples[0].sample;
+  EXPECT_NEAR(DegFromRad(AngleBetween(sample.directions.wi, sample.directions.wo)), 10, 1e-9);
+  EXPECT_TRUE((sample.f_r == -0.5).all());
+  EXPECT_TRUE((sample.sigma == 0.1).all());
+}
+
+TEST(SamplesCsv, ReadsHalfAnglesWhereThereAreNoOthers) {
+  const auto samples = Parse("theta_h_deg,theta_d_deg,phi_d_deg,f_r\n20,35,75,1\n");
+  const HalfDiff angles = ToHalfDiff(samples[0].sample.directions);
+  EXPECT_NEAR(DegFromRad(angles.theta_h), 20, 1e-9);
+  EXPECT_NEAR(DegFromRad(angles.theta_d), 35, 1e-9);
+  EXPECT_NEAR(DegFromRad(angles.phi_d), 75, 1e-9);
+}
+
+TEST(SamplesCsv, ReadsRadians) {
+  const auto samples = Parse("theta_i_rad,theta_o_rad,phi_rad,f_r\n0.5,1.5,3,1\n");
+  EXPECT_NEAR(PolarDeg(samples[0].sample.directions.wi), DegFromRad(0.5), 1e-9);
+  EXPECT_NEAR(PolarDeg(samples[0].sample.directions.wo), DegFromRad(1.5), 1e-9);
+}
+
+TEST(SamplesCsv, KeepsRowsWithTheSameDirectionsApart) {
+  const auto samples = Parse(kHeader + "30,0,40,180,1,1,1\n30,0,40,180,2,2,2\n");
+  ASSERT_EQ(samples.size(), 2u);
+  EXPECT_EQ(samples[1].sample.f_r[0], 2);
+}
+
 struct BadCsv {
   const char* label;
   std::string text;
@@ -166,12 +204,28 @@ INSTANTIATE_TEST_SUITE_P(
                "s.csv:2: column f_r_blue: is \"nan\", must be a finite number"},
         BadCsv{"InfiniteAngle", kHeader + "30,inf,40,180,1,1,1\n",
                "s.csv:2: column phi_i_deg: is \"inf\", must be a finite number"},
-        BadCsv{"BelowTheHorizon", kHeader + "30,0,90,180,1,1,1\n",
-               "s.csv:2: column theta_o_deg: is \"90\", must be < 90; the direction lies below the "
-               "horizon"},
-        BadCsv{"NegativeTheta", kHeader + "-30,0,40,180,1,1,1\n",
-               "s.csv:2: column theta_i_deg: is \"-30\", must be >= 0; for the other side, add 180 "
-               "to phi"},
+        BadCsv{
+            "BelowTheHorizon", kHeader + "30,0,90,180,1,1,1\n",
+            "s.csv:2: column theta_o_deg: is \"90\", must be within -90 .. 90; the direction lies "
+            "below the horizon"},
+        BadCsv{"BelowTheHorizonOnTheOtherSide", kHeader + "-90,0,40,180,1,1,1\n",
+               "s.csv:2: column theta_i_deg: is \"-90\", must be within -90 .. 90; the direction "
+               "lies below the horizon"},
+        BadCsv{"BelowTheHorizonInRadians", "theta_i_rad,theta_o_rad,phi_rad,f_r\n0.5,1.6,0,1\n",
+               "s.csv:2: column theta_o_rad: is \"1.6\", must be within -pi/2 .. pi/2; the "
+               "direction lies below the horizon"},
+        BadCsv{"BelowTheHorizonByHalfAngles",
+               "theta_h_deg,theta_d_deg,phi_d_deg,f_r\n10,10,0,1\n60,60,0,1\n",
+               "s.csv:3: column theta_h_deg: is \"60\", with this theta_d and phi_d a direction "
+               "lies below the horizon"},
+        BadCsv{"NegativeHalfAngle", "theta_h_deg,theta_d_deg,phi_d_deg,f_r\n-1,10,0,1\n",
+               "s.csv:2: column theta_h_deg: is \"-1\", must be >= 0"},
+        BadCsv{"NoDifferenceAngle", "theta_h_deg,phi_d_deg,f_r\n1,10,1\n",
+               "s.csv:1: column theta_d_deg is missing"},
+        BadCsv{"BothUnits", "theta_i_deg,theta_i_rad,theta_o_deg,phi_deg,f_r\n1,1,1,1,1\n",
+               "s.csv:1: columns theta_i_deg and theta_i_rad: one has to do"},
+        BadCsv{"OneAndThreeChannels", "theta_i_deg,theta_o_deg,phi_deg,f_r,f_r_red\n1,1,1,1,1\n",
+               "s.csv:1: columns f_r and f_r_red: one has to do"},
         BadCsv{"ZeroSigma", kWithSigma + "0,30,0,40,180,1,1,1,0,0\n",
                "s.csv:2: column sigma_red: is \"0\", must be a number > 0, or inf"},
         BadCsv{"SigmaNaN", kWithSigma + "0,30,0,40,180,1,1,1,nan,0\n",

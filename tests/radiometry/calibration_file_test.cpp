@@ -56,15 +56,6 @@ std::string Replaced(const std::string& text, const std::string& from, const std
   return at == std::string::npos ? text : text.substr(0, at) + to + text.substr(at + from.size());
 }
 
-TEST(UtcText, GoesThereAndBack) {
-  EXPECT_EQ(UtcText(kCreated), "2024-05-03T09:12:44Z");
-  EXPECT_EQ(SecondsOfUtc("2024-05-03T09:12:44Z"), kCreated);
-  for (const char* wrong : {"", "2024-05-03", "2024-02-30T00:00:00Z", "2024-05-03T24:00:00Z",
-                            "2024-05-03T09:12:44Z ", "2024-5-03T09:12:44Z"}) {
-    EXPECT_FALSE(SecondsOfUtc(wrong)) << wrong;
-  }
-}
-
 TEST(CalibrationFile, KeepsImagesBitForBit) {
   const TempDir dir;
   for (const PixelLayout layout : {PixelLayout::kMono, PixelLayout::kRgb, PixelLayout::kBayerGb}) {

@@ -131,6 +131,27 @@ TEST(EventLog, RefusesASampleWithoutItsRawRecord) {
   EXPECT_THAT(appended.error().message, HasSubstr("FOREIGN KEY"));
 }
 
+// Example failure is a log that is left inside the transaction, whose later appends are lost.
+TEST(EventLog, AppendsTogetherAllOrNothing) {
+  const TempDir dir;
+  EventLog log = EventLog::Create(dir / "s", SomeInfo());
+  const auto pose_with_sample = [&](int pose) -> Result<void> {
+    const Result<void> raw = log.AppendPose(SomeNote(pose), SomeRecord());
+    if (!raw.ok()) return raw;
+    return log.AppendSamples(pose, Seconds(1), {{SomeSample(), {}}});
+  };
+  const Result<void> failed = log.AppendTogether([&]() -> Result<void> {
+    const Result<void> first = pose_with_sample(1);
+    return first.ok() ? pose_with_sample(1) : first;  // there is one already
+  });
+  ASSERT_FALSE(failed.ok());
+  EXPECT_EQ(failed.error().code, ErrorCode::kStorage);
+  EXPECT_TRUE(ReadSession(dir / "s").poses.empty());
+  ASSERT_TRUE(log.AppendTogether([&] { return pose_with_sample(1); }).ok());
+  ASSERT_TRUE(pose_with_sample(2).ok());
+  EXPECT_EQ(ReadSession(dir / "s").poses.size(), 2u);
+}
+
 TEST(EventLog, RefusesADirectoryThatExists) {
   const TempDir dir;
   EXPECT_THAT(MessageOf<ConfigError>([&] { (void)EventLog::Create(dir.path(), SomeInfo()); }),

@@ -36,6 +36,7 @@ class Night : public testing::Test {
   // Up to `stop_after` poses, or to the end.
   SessionSummary Begin(const std::filesystem::path& dir, int stop_after) {
     SteadyBench bench;
+    bench.rig.drift.every_poses = visit_every_;
     const std::unique_ptr<Planner> planner = ThePlanner(bench);
     EventLog log = EventLog::Create(dir, SomeInfo());
     return Go(bench, *planner, log, nullptr, stop_after);
@@ -46,6 +47,7 @@ class Night : public testing::Test {
     const SessionRecord record = ReadSession(dir);
     const SessionHistory history = HistoryOf(record);
     SteadyBench bench(history.end);
+    bench.rig.drift.every_poses = visit_every_;
     const std::unique_ptr<Planner> planner = ThePlanner(bench);
     const Retraced retraced = Retrace(record, history, bench.rig, *planner);
     EXPECT_FALSE(retraced.first) << retraced.first->what;
@@ -83,6 +85,7 @@ class Night : public testing::Test {
   }
 
   const TempDir dir_;
+  int visit_every_ = 0;  // poses from one visit to the reference to the next; 0: none
 };
 
 // Example failure is a resume that starts with the arms somewhere else, so that another of two
@@ -105,6 +108,35 @@ TEST_F(Night, PausedAgainAndAgainItIsTheSameSession) {
   const SessionRecord record = ReadSession(dir_ / "s");
   EXPECT_EQ(record.end->reason, "pose budget reached");
   EXPECT_EQ(record.end->poses, kPoses);
+}
+
+// Example failure is a resume that forgets the visits before it: the first after it is then another
+// beginning, and samples jump.
+TEST_F(Night, VisitsToTheReferenceGoOnAsWell) {
+  visit_every_ = 3;
+  const SessionSummary whole = Begin(dir_ / "whole", kPoses + 1);
+  ASSERT_EQ(whole.reference_visits, 4);
+  for (int n = 1; n < kPoses; ++n) {
+    const std::filesystem::path dir = dir_ / std::to_string(n);
+    Begin(dir, n);
+    const SessionSummary continued = Continue(dir, kPoses + 1);
+    EXPECT_EQ(continued.reference_visits, whole.reference_visits);
+    ASSERT_EQ(continued.poses.size(), whole.poses.size());
+    for (std::size_t i = 0; i < whole.poses.size(); ++i) {
+      const Rgb& f_r = continued.poses[i].samples.front().f_r;
+      // The gain is of the times of poses, which a resume moves on.
+      EXPECT_TRUE((f_r / whole.poses[i].samples.front().f_r - 1).abs().maxCoeff() < 2e-3)
+          << n << ": pose " << i + 1;
+    }
+  }
+  SteadyBench bench;
+  bench.rig.drift.every_poses = visit_every_;
+  const Calibrations none;
+  const SessionRecord record = ReadSession(dir_ / "5");
+  Rereduction rereduction(dir_ / "5", bench.rig, none, HistoryOf(record).visits);
+  for (const MeasuredPose& pose : record.poses) {
+    EXPECT_TRUE((rereduction.Of(pose)->front().sample.f_r == pose.samples.front().f_r).all());
+  }
 }
 
 TEST_F(Night, SaysWhereAPlannerDecidesOtherwise) {

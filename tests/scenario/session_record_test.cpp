@@ -18,6 +18,7 @@ TEST(SessionRecord, GivesBackWhatWasFrozenAtTheStart) {
   info.material_path = "/some/where.binary";
   info.material_sha256 = "ab";
   info.prior_spec = "generic";
+  info.imported = {{"file", "scan.csv"}, {"sha256", "cd"}};
   { EventLog log = EventLog::Create(dir / "s", info); }
   const SessionRecord session = ReadSession(dir / "s");
   EXPECT_EQ(session.info.seed, info.seed);
@@ -25,6 +26,7 @@ TEST(SessionRecord, GivesBackWhatWasFrozenAtTheStart) {
   EXPECT_EQ(session.info.rig_text, info.rig_text);
   EXPECT_EQ(session.info.plan_text, info.plan_text);
   EXPECT_EQ(session.info.prior_spec, "generic");
+  EXPECT_EQ(session.info.imported, info.imported);
   EXPECT_EQ(session.info.material_path, info.material_path);
   EXPECT_EQ(session.info.devices, info.devices);
   EXPECT_THAT(session.info.created_utc, testing::MatchesRegex("....-..-..T..:..:..Z"));
