@@ -27,8 +27,7 @@ GridPlace PlaceOnGrid(double x, int count) {
 }
 
 BilinearDensity::BilinearDensity(const std::vector<float>& values, int grids, int rows, int columns)
-    : grids_(grids),
-      rows_(rows),
+    : rows_(rows),
       columns_(columns),
       value_(values.begin(), values.end()),
       left_(values.size()),
@@ -69,7 +68,7 @@ Point2 BilinearDensity::ToUniform(Point2 at, int g, double t) const {
   const std::size_t stride = std::size_t(rows_) * columns_;
   const std::size_t row = std::size_t(y) * columns_;
   // A number of the row at y + fy.
-  const auto along = [&](const std::vector<double>& numbers, std::size_t column) {
+  const auto along = [&, fy = fy](const std::vector<double>& numbers, std::size_t column) {
     return (1 - fy) * Blend(numbers, row + column, stride, g, t) +
            fy * Blend(numbers, row + columns_ + column, stride, g, t);
   };

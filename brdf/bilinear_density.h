@@ -36,7 +36,7 @@ class BilinearDensity {
   double Blend(const std::vector<double>& numbers, std::size_t at, std::size_t stride, int g,
                double t) const;
 
-  int grids_ = 0, rows_ = 0, columns_ = 0;
+  int rows_ = 0, columns_ = 0;
   std::vector<double> value_;  // grids x rows x columns
   std::vector<double> left_;   // integral along the row from its begin to each point
   std::vector<double> below_;  // grids x rows: integral over all rows up to this one
