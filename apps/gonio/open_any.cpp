@@ -52,7 +52,7 @@ std::unique_ptr<LobeModel> OpenFit(const std::filesystem::path& path) {
 std::unique_ptr<Brdf> EstimateOfSession(const std::filesystem::path& dir) {
   const SessionRecord session = ReadSession(dir);
   if (!session.poses.empty()) {
-    const Prior prior = PriorOfSession(session.info);
+    const Prior prior = PriorOfSession(LatestInfo(session));
     if (prior.process) return FitProcess(session.Samples(), prior);
   }
   return OpenFit(dir);
@@ -62,8 +62,9 @@ DsbrdfFit FitOfSession(const std::filesystem::path& dir) {
   const SessionRecord session = ReadSession(dir);
   if (std::filesystem::exists(dir / kFitFile)) return ReadFit(dir / kFitFile);
   if (session.poses.empty()) throw ConfigError(dir.string() + ": holds no measured pose to fit");
-  const Plan plan = ParsePlan(session.info.plan_text, session.info.plan_path);
-  return FitDsbrdf(session.Samples(), PriorOfSession(session.info), plan.fit);
+  const SessionInfo info = LatestInfo(session);
+  const Plan plan = ParsePlan(info.plan_text, info.plan_path);
+  return FitDsbrdf(session.Samples(), PriorOfSession(info), plan.fit);
 }
 
 Prior PriorOfSession(const SessionInfo& info) {

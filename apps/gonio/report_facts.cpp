@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "acquisition/session_costs.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/summary.h"
 #include "brdf/metrics.h"
@@ -27,6 +28,7 @@ RigConfig RigOf(const SessionInfo& info) {
 }
 
 void ReadEvents(ReportFacts* facts) {
+  Seconds begun(0);  // the session, or its last resume
   for (const SessionEvent& event : facts->session.events) {
     if (event.kind == "pose_rejected") {
       const json body = json::parse(event.body);
@@ -36,8 +38,10 @@ void ReadEvents(ReportFacts* facts) {
                                  body.at("message").get<std::string>()});
     } else if (event.kind == "error") {
       facts->device_errors.push_back(json::parse(event.body).at("message").get<std::string>());
+    } else if (event.kind == "session_resumed") {
+      begun = event.time;
     } else if (event.kind == "prepared") {
-      facts->times.homing = event.time;
+      facts->times.homing += event.time - begun;
     }
   }
 }
@@ -55,6 +59,27 @@ void AddUpTimes(ReportFacts* facts) {
   const auto poses = static_cast<double>(facts->session.poses.size());
   if (!facts->session.info.imported.empty()) return;
   t.exposing_per_pose = poses > 0 ? t.exposing / poses : NominalExposing(facts->rig);
+}
+
+// A planner's costs, asked with what was then measured.
+PredictedTimes PredictTimes(const std::vector<MeasuredPose>& poses, const RigConfig& rig) {
+  const SessionCosts costs = CostsOn(rig);
+  PredictedTimes times;
+  double squares = 0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    const DirectionPair from = ToDirections(poses[i - 1].planned);
+    const DirectionPair to = ToDirections(poses[i].planned);
+    const Rgb& f_r = poses[i].samples.front().f_r;
+    const Seconds predicted(costs.travel(from, to) + costs.pose(to, f_r) +
+                            (poses[i].frames_wanted - 1) * costs.frame(to, f_r));
+    const Seconds actual = poses[i].end - poses[i].start;
+    ++times.poses;
+    times.predicted += predicted;
+    times.actual += actual;
+    squares += std::pow((actual - predicted).count(), 2);
+  }
+  if (times.poses > 0) times.rms = Seconds(std::sqrt(squares / times.poses));
+  return times;
 }
 
 void MakeFit(ReportFacts* facts) {
@@ -146,6 +171,7 @@ ReportFacts GatherFacts(const std::filesystem::path& dir) {
   }
   AddUpTimes(&facts);
   if (!imported) {
+    facts.predicted_times = PredictTimes(facts.session.poses, facts.rig);
     facts.dense = EstimateDenseScan(facts.rig, facts.times.exposing_per_pose);
     facts.thinned = EstimateDenseScan(facts.rig, facts.times.exposing_per_pose, kThinnedShare);
   }

@@ -40,6 +40,14 @@ struct SessionTimes {
   Seconds exposing_per_pose{0};  // frames and their read-out
 };
 
+// What the rig's costs (acquisition/session_costs.h) say of the poses, after the fact.
+struct PredictedTimes {
+  int poses = 0;         // but the first, which comes from home
+  Seconds predicted{0};  // moves, settling, exposures as one wanted
+  Seconds actual{0};
+  Seconds rms{0};  // of a pose's difference
+};
+
 struct ReportFacts {
   std::filesystem::path dir;
   SessionRecord session;
@@ -48,6 +56,7 @@ struct ReportFacts {
   std::vector<Refusal> refusals;
   std::vector<std::string> device_errors;
   SessionTimes times;
+  PredictedTimes predicted_times;
   TimeEstimate dense;    // the same rig, at the session's mean exposure
   TimeEstimate thinned;  // 30 % of its rows
 

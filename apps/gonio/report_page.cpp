@@ -229,6 +229,18 @@ std::string TimeTable(const ReportFacts& facts) {
          row("Total", d.total(), h.total(), t.total, true) + "</table>\n";
 }
 
+// How far a planner's idea of time can be trusted on this rig.
+std::string PredictedAndActual(const PredictedTimes& times) {
+  if (times.poses == 0 || times.predicted <= Seconds::zero()) return {};
+  return fmt::format(
+      "<p>For its {} poses after the first, the rig file's speeds and overheads predict {} and "
+      "they "
+      "took {}: {:+.1f} %, {:.2g} s rms for a pose. <code>gonio calibrate time</code> learns them "
+      "from sessions.</p>\n",
+      times.poses, ForPeople(times.predicted), ForPeople(times.actual),
+      100 * (times.actual / times.predicted - 1), times.rms.count());
+}
+
 std::string Durations(const ReportFacts& facts) {
   return FigureHtml(DurationFigure(facts), "durations") +
          Caption(fmt::format(
@@ -236,7 +248,7 @@ std::string Durations(const ReportFacts& facts) {
              "the 90 × 90 raster (or of 30 % of its θ_h rows), to and fro, exposing "
              "{:.3g} s a pose as this session did on average; homing is not counted.",
              facts.times.exposing_per_pose.count())) +
-         TimeTable(facts);
+         TimeTable(facts) + PredictedAndActual(facts.predicted_times);
 }
 
 // "0.1834 ± 0.0023": two digits of the uncertainty, and f_r to the same place.

@@ -39,6 +39,15 @@ std::vector<std::string> Missing(const std::string& page, const std::vector<std:
 class Report : public GonioTest {
  protected:
   void Run(const std::string& arguments) { Expect("run --quiet --out s " + arguments); }
+  // "1 min 11 s" in the table of times, in seconds.
+  double HomingOf(const std::string& session) {
+    Expect("report " + session);
+    const std::regex row("<th>Homing</th>.*<td>(?:([0-9]+) min )?([0-9]+) s</td></tr>");
+    std::smatch match;
+    const std::string page = Page(session + "/report.html");
+    EXPECT_TRUE(std::regex_search(page, match, row));
+    return 60 * (match[1].matched ? std::stod(match[1]) : 0) + std::stod(match[2]);
+  }
   std::string Page(const std::string& name = "s/report.html") {
     return ReadTextFile(work() / name);
   }
@@ -54,6 +63,19 @@ TEST_F(Report, FindsThePriorThatThePlanNames) {
   Run("--plan plans/plan.yaml");
   Expect("report s");
   EXPECT_THAT(Missing(Page(), {"Nothing unusual"}), IsEmpty());
+}
+
+// Example failure is a report that takes the time of a resume's homing for that of the session.
+TEST_F(Report, SaysWhatTimeWasPredictedAndWhatItTook) {
+  Run("--max-poses 10");
+  const double whole = HomingOf("s");
+  Expect("run --quiet --out r --max-poses 4");
+  EXPECT_EQ(Gonio("run --quiet --resume r --max-poses 8 --accept-changed").code, 0);
+  EXPECT_NEAR(HomingOf("r"), 2 * whole, 2);
+  Expect("report s");
+  const auto percent = All(Page(), "and they took [^:]*: ([+-][0-9.]+) %");
+  ASSERT_EQ(percent.size(), 1u);
+  EXPECT_LT(std::abs(std::stod(percent[0])), 20);  // frames for darker channels are not foreseen
 }
 
 TEST_F(Report, ShowsWhatWasMeasuredHowGoodItIsAndWhatItSaved) {
