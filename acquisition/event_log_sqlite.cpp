@@ -30,6 +30,10 @@ void Database::Fail(std::string_view action) const {
   if ((code == SQLITE_IOERR || code == SQLITE_CANTOPEN) && system_error != 0) {
     reason += fmt::format(" ({})", std::generic_category().message(system_error));
   }
+  const int extended = sqlite3_extended_errcode(db_.get());
+  if (extended == SQLITE_READONLY_ROLLBACK || extended == SQLITE_READONLY_RECOVERY) {
+    reason = "was not closed; gonio run --resume, which may write to it, mends that";
+  }
   throw Failure(fmt::format("{}: cannot {}: {}", file_.string(), action, reason));
 }
 
