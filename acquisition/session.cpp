@@ -12,6 +12,7 @@
 #include "acquisition/radiometry.h"
 #include "acquisition/reference_visits.h"
 #include "core/check.h"
+#include "core/units.h"
 
 namespace gonio {
 namespace {
@@ -71,6 +72,7 @@ class Session {
     for (const LoggedVisit& visit : parts.so_far->visits) references_.Recall(visit);
     if (parts.so_far->first) references_.Offer(*parts.so_far->first);
     summary_.reference_visits = references_.visits();
+    last_ = parts.so_far->reference;
   }
 
   SessionSummary Run() {
@@ -172,6 +174,7 @@ class Session {
     if (stop_.after_pose.stop_requested()) {
       return End(SessionOutcome::kStopped, "stopped by the user");
     }
+    if (const auto trip = CheckInterlocks()) return Suspend(*trip);
     if (references_.Due(pose_count(), parts_.clock.Now()) && !VisitReference()) return false;
     const std::optional<Proposal> proposal = parts_.planner.Next();
     if (!proposal) return End(SessionOutcome::kComplete, parts_.planner.reason());
@@ -180,9 +183,47 @@ class Session {
     const std::optional<Rgb> expected = parts_.planner.Predict(proposal->directions);
     Result<PoseRecord> record =
         measurer_.Measure(proposal->directions, expected, stop_.now, proposal->frames);
+    const auto trip = CheckInterlocks();
+    const bool by_user = !record.ok() && record.error().code == ErrorCode::kCancelled;
+    if (trip && !by_user) return Discard(*proposal, *trip);
     if (record.ok()) return Take(*proposal, *record);
     if (record.error().code == ErrorCode::kRefused) return Reject(*proposal, record.error());
     return EndWith(record.error());
+  }
+
+  std::optional<Trip> CheckInterlocks() {
+    return parts_.interlocks == nullptr ? std::nullopt : parts_.interlocks->Check();
+  }
+
+  // The planner hears nothing of the pose, and so proposes it again.
+  bool Discard(const Proposal& proposal, const Trip& trip) {
+    --turn_;
+    const HalfDiff at = ToHalfDiff(proposal.directions);
+    const std::string what =
+        fmt::format("candidate {} (theta_h {:.3f}, theta_d {:.3f} deg): {}", proposal.candidate,
+                    DegFromRad(at.theta_h), DegFromRad(at.theta_d), trip.message);
+    return Note("pose_discarded", what.c_str()) && Suspend(trip);
+  }
+
+  // Until the interlocks are clear; then the last pose is measured again, to see what has changed.
+  bool Suspend(const Trip& trip) {
+    if (trip.stop) return EndWith({ErrorCode::kProtocol, "interlock " + trip.message});
+    Enter(SessionSignal::kTrip);
+    if (!Warn("suspended", "interlock " + trip.message)) return false;
+    // A stop after the pose ends it, too: there is no pose.
+    std::stop_source stop;
+    const auto request = [&] { stop.request_stop(); };
+    const std::stop_callback by_pose(stop_.after_pose, request);
+    const std::stop_callback by_now(stop_.now, request);
+    const auto clear = parts_.interlocks->WaitUntilClear(stop.get_token());
+    if (!clear) return EndWith(clear.error());
+    Enter(SessionSignal::kClear);
+    if (!Note("cleared", "all interlocks are met")) return false;
+    if (!last_) return true;
+    const MeasurerState before = measurer_.state();
+    if (!MeasureReference(*last_)) return false;
+    const auto restored = measurer_.Restore(before, stop_.now);
+    return restored.ok() || EndWith(restored.error());
   }
 
   // Keeps a measured pose, reduces it and tells the planner, in this order.
@@ -206,6 +247,10 @@ class Session {
     summary_.frames += static_cast<int>(record.exposures.size());
     CountTime(record);
     summary_.poses.push_back({samples, record.end, parts_.planner.PredictedError()});
+    last_ = SessionSoFar::Reference{.pose = note.pose,
+                                    .arms = measurer_.state().told,
+                                    .frames = proposal.frames,
+                                    .before = samples.front()};
     return true;
   }
 
@@ -329,43 +374,11 @@ class Session {
   Seconds begin_{0};
   std::uint64_t turn_ = 0;
   int rejections_in_a_row_ = 0;
+  std::optional<SessionSoFar::Reference> last_;  // the last measured pose
   SessionSummary summary_;
 };
 
 }  // namespace
-
-void SessionOptions::Check() const {
-  if (max_rejections_in_a_row < 1) {
-    throw ConfigError(
-        fmt::format("max_rejections_in_a_row: is {}, must be >= 1", max_rejections_in_a_row));
-  }
-  if (!(max_reference_change > 0)) {
-    throw ConfigError(
-        fmt::format("max_reference_change: is {}, must be > 0", max_reference_change));
-  }
-}
-
-const char* ToString(SessionOutcome outcome) {
-  switch (outcome) {
-    case SessionOutcome::kComplete:
-      return "complete";
-    case SessionOutcome::kStopped:
-      return "stopped";
-    case SessionOutcome::kDeviceFault:
-      return "device fault";
-    case SessionOutcome::kStorageFailed:
-      return "storage failed";
-  }
-  return "unknown";
-}
-
-std::vector<BrdfSample> SessionSummary::Samples() const {
-  std::vector<BrdfSample> samples;
-  for (const SessionPose& pose : poses) {
-    samples.insert(samples.end(), pose.samples.begin(), pose.samples.end());
-  }
-  return samples;
-}
 
 SessionSummary RunSession(const SessionParts& parts, const SessionOptions& options,
                           const SessionStop& stop, const ProgressFunction& progress) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "acquisition/event_log.h"
+#include "acquisition/interlocks.h"
 #include "acquisition/measure.h"
 #include "acquisition/rig.h"
 #include "acquisition/session_state.h"
@@ -54,6 +55,7 @@ struct SessionParts {
   // Another process began it: the planner has been told of all its poses, the clock goes on where
   // its log ends. nullptr: it begins.
   const SessionSoFar* so_far = nullptr;
+  Interlocks* interlocks = nullptr;  // nullptr: there are none
   // Told a number before every pose, and no number twice: a simulated rig draws its noise by it
   // (SimDevices::draw).
   std::function<void(std::uint64_t)> draw = {};
@@ -137,7 +139,8 @@ struct SessionSoFar {
 //   5. The same rig, devices, planner and clock give the same poses, with or without a log.
 //   6. A session that was killed and goes on makes the same choices as one that was not, given the
 //      same observations.
-//   7. With RigConfig::drift samples are divided by the gain that the visits to the reference
+//   7. A pose during which an interlock tripped is discarded and measured again.
+//   8. With RigConfig::drift samples are divided by the gain that the visits to the reference
 //      before them tell; the visits are in the log and no samples.
 //
 // One thread.

@@ -31,6 +31,11 @@ constexpr Transition kTransitions[] = {
     {kPausing, kStop, kStopping},
     {kPausing, kAbort, kStopping},
     {kPausing, kFail, kFault},
+    {kRunning, kTrip, kSuspended},
+    {kSuspended, kClear, kRunning},
+    {kSuspended, kStop, kStopping},
+    {kSuspended, kAbort, kStopping},
+    {kSuspended, kFail, kFault},
     {kPaused, kGoOn, kRunning},
     {kPaused, kStop, kStopping},
     {kPaused, kAbort, kStopping},
@@ -62,6 +67,8 @@ const char* ToString(SessionState state) {
       return "pausing";
     case kPaused:
       return "paused";
+    case kSuspended:
+      return "suspended";
     case kStopping:
       return "stopping";
     case kEnded:

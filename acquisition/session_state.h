@@ -8,14 +8,15 @@
 namespace gonio {
 
 enum class SessionState {
-  kUnhomed,   // devices are open, where the axes are is not known
-  kIdle,      // homed, light on
-  kRunning,   // poses are measured
-  kPausing,   // a pause was asked for; the pose is finished first
-  kPaused,    // nothing moves, everything is kept as it is
-  kStopping,  // the end: a stop was asked for, the plan is done, or clean-up after a fault
-  kEnded,     // light off; the devices may be closed
-  kFault,     // a device failed, or the log; arms have been told to stop
+  kUnhomed,    // devices are open, where the axes are is not known
+  kIdle,       // homed, light on
+  kRunning,    // poses are measured
+  kPausing,    // a pause was asked for; the pose is finished first
+  kPaused,     // nothing moves, everything is kept as it is
+  kSuspended,  // the same, until an interlock is clear
+  kStopping,   // the end: a stop was asked for, the plan is done, or clean-up after a fault
+  kEnded,      // light off; the devices may be closed
+  kFault,      // a device failed, or the log; arms have been told to stop
 };
 
 enum class SessionSignal {
@@ -24,6 +25,8 @@ enum class SessionSignal {
   kPause,     // by the user
   kPoseDone,  // measured or refused
   kGoOn,      // by the user
+  kTrip,      // an interlock is not met
+  kClear,     // all are
   kStop,      // by the user, or nothing is left to measure
   kAbort,     // by the user: arms stop at once
   kFail,
@@ -31,12 +34,14 @@ enum class SessionSignal {
 };
 
 inline constexpr SessionState kSessionStates[] = {
-    SessionState::kUnhomed, SessionState::kIdle,     SessionState::kRunning, SessionState::kPausing,
-    SessionState::kPaused,  SessionState::kStopping, SessionState::kEnded,   SessionState::kFault};
+    SessionState::kUnhomed,  SessionState::kIdle,   SessionState::kRunning,
+    SessionState::kPausing,  SessionState::kPaused, SessionState::kSuspended,
+    SessionState::kStopping, SessionState::kEnded,  SessionState::kFault};
 inline constexpr SessionSignal kSessionSignals[] = {
-    SessionSignal::kHomed,    SessionSignal::kStart, SessionSignal::kPause,
-    SessionSignal::kPoseDone, SessionSignal::kGoOn,  SessionSignal::kStop,
-    SessionSignal::kAbort,    SessionSignal::kFail,  SessionSignal::kCleanedUp};
+    SessionSignal::kHomed,    SessionSignal::kStart,    SessionSignal::kPause,
+    SessionSignal::kPoseDone, SessionSignal::kGoOn,     SessionSignal::kTrip,
+    SessionSignal::kClear,    SessionSignal::kStop,     SessionSignal::kAbort,
+    SessionSignal::kFail,     SessionSignal::kCleanedUp};
 
 // Empty: the signal means nothing in that state.
 std::optional<SessionState> After(SessionState state, SessionSignal signal);

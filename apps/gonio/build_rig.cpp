@@ -59,6 +59,7 @@ RigFile ParseRig(const std::string& text, const std::filesystem::path& path, Cal
   RigFile file;
   file.config = ReadRig(root, text);
   file.simulation = ReadSim(root);
+  file.interlocks = ReadInterlocks(root, path.parent_path());
   root.RefuseUnknownKeys();
   file.built = file.config.imaging;
   if (!folder.empty()) file.config.calibration.folder = folder;

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 
+#include "acquisition/interlocks.h"
 #include "acquisition/radiometry/sensor.h"
 #include "acquisition/rig.h"
 #include "brdf/brdf.h"
@@ -22,7 +23,8 @@ namespace gonio {
 
 struct RigFile {
   RigConfig config;
-  SimConfig simulation;           // of the parts that are not real
+  SimConfig simulation;  // of the parts that are not real
+  InterlocksConfig interlocks;
   std::string calibrated_camera;  // the identity in geometry.yaml; empty: not used
   Imaging built;                  // as the rig file has it, which simulated parts are built by
 };

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <optional>
 #include <stdexcept>
 
 #include "acquisition/time_estimate.h"
@@ -111,24 +112,28 @@ int DriveSession(const DriveParts& parts, const SessionOptions& options,
   EventLog& log = parts.log;
   if (rig.wires) rig.wires->WriteTo(dir / kWireLog);
 
+  std::optional<Interlocks> interlocks;
+  if (!setup.rig.interlocks.signals.empty()) {
+    interlocks.emplace(setup.rig.interlocks, rig.devices, *rig.clock, dir);
+  }
   SessionSummary summary;
   {
     const bool terminal = ::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0;
     Interrupt interrupt(terminal ? STDIN_FILENO : -1);
     ProgressLine line("measuring", quiet);
     StatusFile status(dir);
-    summary = RunSession(
-        {setup.rig.config, rig.devices, *rig.clock, parts.planner, &log, &parts.calibrations,
-         parts.so_far, rig.draw, [&](SessionState state) { status.Enter(state); }},
-        options,
-        {.after_pose = interrupt.after_pose(),
-         .now = interrupt.now(),
-         .pause = [&] { return interrupt.pausing(); },
-         .wait = [&] { interrupt.WaitWhilePaused(); }},
-        [&](const Progress& progress) {
-          line.Show(progress);
-          status.Show(progress);
-        });
+    summary = RunSession({setup.rig.config, rig.devices, *rig.clock, parts.planner, &log,
+                          &parts.calibrations, parts.so_far, interlocks ? &*interlocks : nullptr,
+                          rig.draw, [&](SessionState state) { status.Enter(state); }},
+                         options,
+                         {.after_pose = interrupt.after_pose(),
+                          .now = interrupt.now(),
+                          .pause = [&] { return interrupt.pausing(); },
+                          .wait = [&] { interrupt.WaitWhilePaused(); }},
+                         [&](const Progress& progress) {
+                           line.Show(progress);
+                           status.Show(progress);
+                         });
     status.End(summary);
   }
   ReportFault(summary, dir);

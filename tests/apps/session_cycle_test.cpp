@@ -91,6 +91,22 @@ TEST_F(SessionCycle, TheSameSeedGivesTheSamePosesAndFit) {
   EXPECT_NE(rows("a.csv"), rows("c.csv"));
 }
 
+// The session's clock is virtual: an hour's wait is over at once.
+TEST_F(SessionCycle, AnOpenDoorSuspendsAndAClosedOneLetsItGoOn) {
+  File("rig.yaml", Config("sim-rig.yaml") +
+                       "\ninterlocks:\n  signals:\n"
+                       "    - {name: door, signal: file, file: door, min: 1, hold_s: 2}\n");
+  File("door", "0\n");
+  const Finished open = Gonio("run --rig rig.yaml --max-poses 3 --quiet --out s");
+  EXPECT_EQ(open.code, 4);
+  EXPECT_THAT(open.err, AllOf(HasSubstr("warning: interlock door: is 0, must be >= 1"),
+                              HasSubstr("suspended for 60 min")));
+  File("door", "1\n");
+  Expect("run --quiet --resume s");
+  EXPECT_EQ(ReadSession(work() / "s").poses.size(), 3u);
+  Expect("replay s");
+}
+
 TEST_F(SessionCycle, ASessionFreezesWhatItWasRunWith) {
   Expect("run --max-poses 3 --seed 5 --prior generic --quiet --out s");
   const SessionRecord session = ReadSession(work() / "s");

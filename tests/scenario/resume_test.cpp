@@ -61,11 +61,11 @@ class Night : public testing::Test {
   static SessionSummary Go(Bench& bench, Planner& planner, EventLog& log,
                            const SessionSoFar* so_far, int stop_after) {
     std::stop_source stop;
-    return RunSession(
-        {bench.rig, bench.devices, bench.clock, planner, &log, nullptr, so_far, bench.draw}, {},
-        {stop.get_token(), {}}, [&](const Progress& progress) {
-          if (progress.poses >= stop_after) stop.request_stop();
-        });
+    return RunSession({bench.rig, bench.devices, bench.clock, planner, &log, nullptr, so_far,
+                       nullptr, bench.draw},
+                      {}, {stop.get_token(), {}}, [&](const Progress& progress) {
+                        if (progress.poses >= stop_after) stop.request_stop();
+                      });
   }
 
   static void ExpectSame(const SessionSummary& a, const SessionSummary& b) {

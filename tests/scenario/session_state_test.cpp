@@ -17,17 +17,19 @@ using enum SessionSignal;
 using testing::ElementsAre;
 
 // The table of docs/sessions.md: rows are states, columns kHomed, kStart, kPause, kPoseDone, kGoOn,
-// kStop, kAbort, kFail, kCleanedUp. Empty: the signal means nothing there.
+// kTrip, kClear, kStop, kAbort, kFail, kCleanedUp. Empty: the signal means nothing there.
 TEST(SessionState, IsTheTableInTheDocumentation) {
   const char* const table[std::size(kSessionStates)][std::size(kSessionSignals)] = {
-      /* unhomed  */ {"idle", "", "", "", "", "stopping", "stopping", "fault", ""},
-      /* idle     */ {"", "running", "", "", "", "stopping", "stopping", "fault", ""},
-      /* running  */ {"", "", "pausing", "running", "", "stopping", "stopping", "fault", ""},
-      /* pausing  */ {"", "", "", "paused", "", "stopping", "stopping", "fault", ""},
-      /* paused   */ {"", "", "", "", "running", "stopping", "stopping", "fault", ""},
-      /* stopping */ {"", "", "", "", "", "", "", "fault", "ended"},
-      /* ended    */ {"", "", "", "", "", "", "", "", ""},
-      /* fault    */ {"", "", "", "", "", "", "", "fault", "fault"},
+      /* unhomed   */ {"idle", "", "", "", "", "", "", "stopping", "stopping", "fault", ""},
+      /* idle      */ {"", "running", "", "", "", "", "", "stopping", "stopping", "fault", ""},
+      /* running   */
+      {"", "", "pausing", "running", "", "suspended", "", "stopping", "stopping", "fault", ""},
+      /* pausing   */ {"", "", "", "paused", "", "", "", "stopping", "stopping", "fault", ""},
+      /* paused    */ {"", "", "", "", "running", "", "", "stopping", "stopping", "fault", ""},
+      /* suspended */ {"", "", "", "", "", "", "running", "stopping", "stopping", "fault", ""},
+      /* stopping  */ {"", "", "", "", "", "", "", "", "", "fault", "ended"},
+      /* ended     */ {"", "", "", "", "", "", "", "", "", "", ""},
+      /* fault     */ {"", "", "", "", "", "", "", "", "", "fault", "fault"},
   };
   for (std::size_t i = 0; i < std::size(kSessionStates); ++i) {
     for (std::size_t j = 0; j < std::size(kSessionSignals); ++j) {
