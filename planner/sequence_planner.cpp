@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <random>
 #include <set>
@@ -72,7 +73,11 @@ std::optional<Proposal> SequencePlanner::Next() {
 
 void SequencePlanner::Observe(const Proposal& proposal, const BrdfSample&) { Reject(proposal); }
 
-void SequencePlanner::Reject(const Proposal& proposal) { spent_[proposal.candidate] = true; }
+void SequencePlanner::Reject(const Proposal& proposal) {
+  GONIO_CHECK(proposal.candidate >= 0 && proposal.candidate < std::ssize(candidates_),
+              "answers name a candidate of the raster");
+  spent_[proposal.candidate] = true;
+}
 
 std::vector<int> RasterOrder(const std::vector<Candidate>& candidates,
                              const CandidateOptions& raster, const RasterOptions& options) {

@@ -161,10 +161,13 @@ TEST(SequencePlanner, ProposesItsOrderWithItsLabel) {
   EXPECT_EQ(planner.reason(), "every planned pose was visited");
 }
 
-TEST(SequencePlannerDeathTest, AbortsOnAnAnswerToAnotherProposal) {
+TEST(SequencePlannerDeathTest, AbortsOnAnAnswerOfNoCandidate) {
   SequencePlanner planner(Raster(3, 3), {4, 0}, "raster");
-  EXPECT_DEATH(planner.Reject({.directions = {}, .candidate = 0, .score = 0, .reason = ""}),
-               "answers must be to the last proposal");
+  for (const int candidate : {-1, 9}) {
+    EXPECT_DEATH(
+        planner.Reject({.directions = {}, .candidate = candidate, .score = 0, .reason = ""}),
+        "answers name a candidate of the raster");
+  }
 }
 
 }  // namespace
