@@ -45,6 +45,15 @@ Kind ReadKind(const ConfigNode& node) {
   return kind == "disk" ? Kind::kDiskFree : Kind::kFile;
 }
 
+TripAction ReadAction(const ConfigNode& node) {
+  const std::string action = node.Choice("when_tripped", {"suspend", "stop", "emergency-stop"});
+  if (action == "suspend") return TripAction::kSuspend;
+  return action == "stop" ? TripAction::kStop : TripAction::kEmergencyStop;
+}
+
+// What can be asked of no device.
+bool IsOfSurroundings(Kind kind) { return kind == Kind::kFile || kind == Kind::kDiskFree; }
+
 InterlockSignal ReadSignal(const ConfigNode& node, const std::filesystem::path& beside) {
   InterlockSignal signal;
   signal.name = node.Text("name");
@@ -55,8 +64,7 @@ InterlockSignal ReadSignal(const ConfigNode& node, const std::filesystem::path& 
   if (!signal.min && !signal.max) node.Fail("min", "this or max is needed");
   signal.hysteresis = node.NumberOr("hysteresis", 0, Range::NonNegative());
   signal.hold = Seconds(node.NumberOr("hold_s", signal.hold.count(), Range::NonNegative()));
-  signal.stop =
-      node.Has("when_tripped") && node.Choice("when_tripped", {"suspend", "stop"}) == "stop";
+  if (node.Has("when_tripped")) signal.action = ReadAction(node);
   return signal;
 }
 
@@ -75,14 +83,26 @@ InterlocksConfig ReadInterlocks(const ConfigNode& root, const std::filesystem::p
   return config;
 }
 
+Error ErrorOf(const Trip& trip) {
+  return {
+      trip.action == TripAction::kEmergencyStop ? ErrorCode::kEmergencyStop : ErrorCode::kProtocol,
+      "interlock " + trip.message};
+}
+
 // The devices themselves, and what was seen through them.
 class Interlocks::Watch {
  public:
-  Watch(const InterlocksConfig& config, Devices& devices, std::filesystem::path disk)
-      : config_(config),
-        camera_(std::move(devices.camera)),
-        monitor_(std::move(devices.monitor)),
-        disk_(std::move(disk)) {}
+  Watch(const InterlocksConfig& config, std::filesystem::path disk)
+      : config_(config), disk_(std::move(disk)) {}
+
+  void Take(Devices& devices) {
+    camera_ = std::move(devices.camera);
+    monitor_ = std::move(devices.monitor);
+  }
+  void Give(Devices& devices) {
+    devices.camera = std::move(camera_);
+    devices.monitor = std::move(monitor_);
+  }
 
   Camera& camera() { return *camera_; }
   Monitor& monitor() { return *monitor_; }
@@ -90,9 +110,16 @@ class Interlocks::Watch {
   // What needs no device: at the begin and end of every exposure.
   void LookAround() {
     for (const InterlockSignal& signal : config_.signals) {
-      if (signal.kind == Kind::kFile || signal.kind == Kind::kDiskFree) Judge(signal, Read(signal));
+      if (IsOfSurroundings(signal.kind)) Judge(signal, Read(signal));
     }
   }
+  // While axes move.
+  void LookAhead() {
+    LookAround();
+    if (trip_ && on_trip_) on_trip_();
+  }
+  void SetOnTrip(std::function<void()> on_trip) { on_trip_ = std::move(on_trip); }
+
   void SeeLamp(double reading) { JudgeAll(Kind::kLamp, reading); }
   void SeeFrame(const Frame& frame) {
     temperature_ = frame.temperature_c;
@@ -109,6 +136,7 @@ class Interlocks::Watch {
         config_.signals.begin(), config_.signals.end(),
         [](const InterlockSignal& signal) { return signal.kind == Kind::kCameraTemperature; });
     if (!wanted) return;
+    if (!camera_) return;
     const auto frame = camera_->Capture(camera_->info().min_exposure, stop);
     if (frame) temperature_ = frame->temperature_c;
   }
@@ -119,6 +147,7 @@ class Interlocks::Watch {
   std::optional<double> Read(const InterlockSignal& signal) {
     switch (signal.kind) {
       case Kind::kLamp: {
+        if (!monitor_) return std::nullopt;
         const auto reading = monitor_->Read();
         return reading ? std::optional(*reading) : std::nullopt;
       }
@@ -146,14 +175,15 @@ class Interlocks::Watch {
   void Judge(const InterlockSignal& signal, const std::optional<double>& value) {
     if (signal.kind == Kind::kCameraTemperature && !value) return;
     std::string complaint = Complaint(signal, value, 0);
-    if (complaint.empty() || (trip_ && (trip_->stop || !signal.stop))) return;
-    trip_ = Trip{signal.name, std::move(complaint), signal.stop};
+    if (complaint.empty() || (trip_ && trip_->action >= signal.action)) return;
+    trip_ = Trip{signal.name, std::move(complaint), signal.action};
   }
 
   const InterlocksConfig config_;
-  const std::unique_ptr<Camera> camera_;
-  const std::unique_ptr<Monitor> monitor_;
+  std::unique_ptr<Camera> camera_;
+  std::unique_ptr<Monitor> monitor_;
   const std::filesystem::path disk_;
+  std::function<void()> on_trip_;
   std::optional<double> temperature_;
   std::optional<Trip> trip_;
 };
@@ -195,38 +225,55 @@ Interlocks::Interlocks(InterlocksConfig config, Devices& devices, Clock& clock,
                        std::filesystem::path disk)
     : config_(std::move(config)),
       clock_(clock),
-      watch_(std::make_shared<Watch>(config_, devices, std::move(disk))) {
+      watch_(std::make_shared<Watch>(config_, std::move(disk))) {
+  Wrap(devices);
+}
+
+Interlocks::~Interlocks() {
+  if (watched_ != nullptr) watched_->Watch(kWatchInterval, {});
+}
+
+void Interlocks::Wrap(Devices& devices) {
+  watch_->Take(devices);
   devices.camera = std::make_unique<WatchedCamera>(watch_);
   devices.monitor = std::make_unique<WatchedMonitor>(watch_);
 }
 
-Interlocks::~Interlocks() = default;
+void Interlocks::Release(Devices& devices) { watch_->Give(devices); }
+
+void Interlocks::WatchWith(WatchedClock& clock) {
+  watched_ = &clock;
+  clock.Watch(kWatchInterval, [watch = watch_] { watch->LookAhead(); });
+}
+
+void Interlocks::SetOnTrip(std::function<void()> on_trip) { watch_->SetOnTrip(std::move(on_trip)); }
 
 std::optional<Trip> Interlocks::Check() {
   watch_->LookAtAll();
   return watch_->TakeTrip();
 }
 
-Result<void> Interlocks::WaitUntilClear(const std::stop_token& stop) {
+std::optional<Trip> Interlocks::CheckSurroundings() {
+  watch_->LookAround();
+  return watch_->TakeTrip();
+}
+
+Result<void> Interlocks::WaitUntilClear(const std::stop_token& stop) { return Wait(stop, false); }
+
+Result<void> Interlocks::WaitForSurroundings(const std::stop_token& stop) {
+  return Wait(stop, true);
+}
+
+Result<void> Interlocks::Wait(const std::stop_token& stop, bool surroundings_only) {
   const Seconds begin = clock_.Now();
   std::vector<std::optional<Seconds>> clear_since(config_.signals.size());
   for (;;) {
     std::string waiting_for;
     for (std::size_t i = 0; i < config_.signals.size(); ++i) {
       const InterlockSignal& signal = config_.signals[i];
-      const std::optional<double> value = watch_->Read(signal);
-      const bool unknown = signal.kind == Kind::kCameraTemperature && !value;
-      std::string complaint = unknown ? "" : Complaint(signal, value, signal.hysteresis);
-      if (!complaint.empty()) {
-        clear_since[i].reset();
-        waiting_for = std::move(complaint);
-      } else if (!clear_since[i]) {
-        clear_since[i] = clock_.Now();
-      }
-      if (clear_since[i] && clock_.Now() - *clear_since[i] < signal.hold && waiting_for.empty()) {
-        waiting_for =
-            fmt::format("{}: is clear for less than {:.3g} s", signal.name, signal.hold.count());
-      }
+      if (surroundings_only && !IsOfSurroundings(signal.kind)) continue;
+      std::string not_clear = NotClear(signal, &clear_since[i]);
+      if (!not_clear.empty()) waiting_for = std::move(not_clear);
     }
     if (waiting_for.empty()) break;
     if (clock_.Now() - begin >= config_.longest_wait) {
@@ -236,10 +283,24 @@ Result<void> Interlocks::WaitUntilClear(const std::stop_token& stop) {
     }
     clock_.SleepFor(config_.poll, stop);
     if (stop.stop_requested()) return Error{ErrorCode::kCancelled, "suspended: cancelled"};
-    watch_->RefreshTemperature(stop);
+    if (!surroundings_only) watch_->RefreshTemperature(stop);
   }
   (void)watch_->TakeTrip();  // what was seen meanwhile
   return {};
+}
+
+// Why not; empty: it is, by its hysteresis and for its hold. `since`: when it began to be.
+std::string Interlocks::NotClear(const InterlockSignal& signal, std::optional<Seconds>* since) {
+  const std::optional<double> value = watch_->Read(signal);
+  const bool unknown = signal.kind == Kind::kCameraTemperature && !value;
+  std::string complaint = unknown ? "" : Complaint(signal, value, signal.hysteresis);
+  if (!complaint.empty()) {
+    since->reset();
+    return complaint;
+  }
+  if (!*since) *since = clock_.Now();
+  if (clock_.Now() - **since >= signal.hold) return {};
+  return fmt::format("{}: is clear for less than {:.3g} s", signal.name, signal.hold.count());
 }
 
 }  // namespace gonio

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -20,6 +21,12 @@
 #include "core/error.h"
 
 namespace gonio {
+
+enum class TripAction {
+  kSuspend,        // nothing is measured until it is clear
+  kStop,           // the session ends, arms at once
+  kEmergencyStop,  // the same, and arms brake as hard as they can
+};
 
 // One entry of `interlocks.signals` in a rig file.
 struct InterlockSignal {
@@ -36,7 +43,7 @@ struct InterlockSignal {
   std::optional<double> max;
   double hysteresis = 0;  // >= 0: once tripped it has to be so far inside to be clear
   Seconds hold{10};       // >= 0: and for so long
-  bool stop = false;      // ends the session, arms at once, instead of suspending it
+  TripAction action = TripAction::kSuspend;
 };
 
 struct InterlocksConfig {
@@ -53,8 +60,10 @@ InterlocksConfig ReadInterlocks(const ConfigNode& root, const std::filesystem::p
 struct Trip {
   std::string signal;
   std::string message;  // "door: is 0, must be >= 1"
-  bool stop = false;
+  TripAction action = TripAction::kSuspend;
 };
+// What a session ends with because of it.
+Error ErrorOf(const Trip& trip);
 
 // Looks at the signals of a session. One thread.
 class Interlocks {
@@ -71,18 +80,38 @@ class Interlocks {
   // The first condition that is not met: now, or at some time since this was asked last. Signals
   // that cannot be read are not met.
   std::optional<Trip> Check();
+  // The same of the signals that need no device, which can be asked before any is ready.
+  std::optional<Trip> CheckSurroundings();
+
+  // From now on these are looked at while axes move, too: whenever their drivers wait on `clock`,
+  // at least every kWatchInterval. `on_trip` is called, in the thread that waits, at each look that
+  // finds one that is not met: to stop what is going on. Empty: nothing is stopped. `clock` must
+  // outlive this.
+  void WatchWith(WatchedClock& clock);
+  void SetOnTrip(std::function<void()> on_trip);
+  static constexpr Seconds kWatchInterval{0.05};
 
   // Blocks until all are clear by their hysteresis and have been for their hold. kTimeout after
   // longest_wait, with what is still not met; kCancelled; errors of the devices.
   Result<void> WaitUntilClear(const std::stop_token& stop);
+  // The same for the signals that need no device.
+  Result<void> WaitForSurroundings(const std::stop_token& stop);
+
+  // Gives camera and monitor back, so that they can be closed and opened anew; takes them again.
+  void Release(Devices& devices);
+  void Wrap(Devices& devices);
 
  private:
   class Watch;
   class WatchedCamera;
   class WatchedMonitor;
 
+  Result<void> Wait(const std::stop_token& stop, bool surroundings_only);
+  std::string NotClear(const InterlockSignal& signal, std::optional<Seconds>* since);
+
   const InterlocksConfig config_;
   Clock& clock_;
+  WatchedClock* watched_ = nullptr;
   std::shared_ptr<Watch> watch_;  // shared with the wrapped devices
 };
 

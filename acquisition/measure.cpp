@@ -51,13 +51,20 @@ PoseMeasurer::PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock,
     : rig_(rig), devices_(devices), clock_(clock), bad_(bad), taker_(rig, devices), paths_(rig) {}
 
 Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
+  axes_failed_ = true;
   if (auto homed = HomeAll(rig_.motion, devices_, stop); !homed) return homed;
-  if (auto lit = devices_.light->SetLevel(rig_.light_level); !lit) return lit;
+  if (auto lit = SwitchOn(); !lit) return lit;
+  axes_failed_ = true;
   const auto position = ReadPositions(devices_);
   if (!position) return position.error();
   position_ = *position;
   state_ = {.told = position_, .exposure = {}};
   return {};
+}
+
+Result<void> PoseMeasurer::SwitchOn() {
+  axes_failed_ = false;
+  return devices_.light->SetLevel(rig_.light_level);
 }
 
 Result<PoseRecord> PoseMeasurer::Measure(const DirectionPair& pair,
@@ -75,11 +82,14 @@ Result<PoseRecord> PoseMeasurer::MeasureAt(const ArmAngles& arms,
 }
 
 Result<void> PoseMeasurer::Restore(const MeasurerState& state, std::stop_token stop) {
-  PoseRecord record;
-  const FindPath find = [&] { return paths_.Plan(position_, state.told); };
-  if (auto moved = Move(find, record, std::move(stop)); !moved) return moved;
+  if (auto moved = GoTo(state.told, std::move(stop)); !moved) return moved;
   state_.exposure = state.exposure;
   return {};
+}
+
+Result<void> PoseMeasurer::GoTo(const ArmAngles& arms, std::stop_token stop) {
+  PoseRecord record;
+  return Move([&] { return paths_.Plan(position_, arms); }, record, std::move(stop));
 }
 
 Result<PoseRecord> PoseMeasurer::MeasureOrStop(const FindPath& find,
@@ -108,6 +118,7 @@ Result<PoseRecord> PoseMeasurer::MeasureOrFail(const FindPath& find,
 }
 
 Result<void> PoseMeasurer::Move(const FindPath& find, PoseRecord& record, std::stop_token stop) {
+  axes_failed_ = true;
   const auto before = ReadPositions(devices_);
   if (!before) return before.error();
   position_ = *before;
@@ -124,6 +135,7 @@ Result<void> PoseMeasurer::Move(const FindPath& find, PoseRecord& record, std::s
   position_ = record.readback = arrival->readback;
   record.move_retries = arrival->retries;
   record.move_time = arrival->still - record.start;
+  axes_failed_ = false;
   return {};
 }
 

@@ -50,6 +50,8 @@ class PoseMeasurer {
 
   // Homes every axis and switches the light on. Must succeed once before Measure().
   Result<void> Prepare(std::stop_token stop);
+  // Switches the light on; the axes are as they were.
+  Result<void> SwitchOn();
 
   // `expected`: f_r to choose the first exposure with; without it the last pose's is used.
   // kRefused: skip the pose: it is out of reach, an axis missed its target after all retries, no
@@ -67,6 +69,11 @@ class PoseMeasurer {
                                std::stop_token stop, int frames = 1);
   // Goes where another measurer has left the arms, and measures nothing.
   Result<void> Restore(const MeasurerState& state, std::stop_token stop);
+  // Goes there, by a way that touches nothing.
+  Result<void> GoTo(const ArmAngles& arms, std::stop_token stop);
+
+  // Whether it was an axis that the last error of any of these was about.
+  bool axes_failed() const { return axes_failed_; }
 
   const MeasurerState& state() const { return state_; }
   // Where the arms are, by their encoders.
@@ -94,6 +101,7 @@ class PoseMeasurer {
   PathPlanner paths_;
   ArmAngles position_{};
   MeasurerState state_;
+  bool axes_failed_ = false;
 };
 
 }  // namespace gonio

@@ -83,6 +83,18 @@ Result<Arrival> MoveWithRetries(const RigConfig& rig, Devices& devices, Clock& c
                   DegFromRad(target[i]), DegFromRad(rig.axes[i].position_tolerance))};
 }
 
+// The first error, but all are told.
+template <typename Tell>
+Result<void> ForAll(Devices& devices, const Tell& tell) {
+  Result<void> first;
+  for (auto& axis : devices.axes) {
+    if (!axis) continue;
+    auto told = tell(*axis);
+    if (first.ok() && !told.ok()) first = std::move(told);
+  }
+  return first;
+}
+
 }  // namespace
 
 Result<ArmAngles> ReadPositions(Devices& devices) {
@@ -133,12 +145,11 @@ Result<Arrival> MoveAlong(const RigConfig& rig, Devices& devices, Clock& clock,
 }
 
 Result<void> StopAll(Devices& devices) {
-  Result<void> first;
-  for (auto& axis : devices.axes) {
-    auto stopped = axis->Stop();
-    if (first.ok() && !stopped.ok()) first = std::move(stopped);
-  }
-  return first;
+  return ForAll(devices, [](Axis& axis) { return axis.Stop(); });
+}
+
+Result<void> EmergencyStopAll(Devices& devices) {
+  return ForAll(devices, [](Axis& axis) { return axis.EmergencyStop(); });
 }
 
 }  // namespace gonio

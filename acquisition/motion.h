@@ -34,7 +34,10 @@ Result<Arrival> MoveAll(const RigConfig& rig, Devices& devices, Clock& clock,
 Result<Arrival> MoveAlong(const RigConfig& rig, Devices& devices, Clock& clock,
                           std::span<const ArmAngles> legs, std::stop_token stop);
 
-// Stops every axis; the first error is returned, but all are stopped.
+// Stops every axis; the first error is returned, but all are stopped. Those that are not open are
+// passed over.
 Result<void> StopAll(Devices& devices);
+// The same, braking as hard as they can: they have to be homed after it.
+Result<void> EmergencyStopAll(Devices& devices);
 
 }  // namespace gonio

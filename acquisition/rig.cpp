@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/units.h"
+#include "drivers/move_time.h"
 
 namespace gonio {
 namespace {
@@ -70,6 +71,17 @@ MotionConfig ReadMotion(const ConfigNode& node) {
   motion.retries = node.IntegerOr("retries", motion.retries, 0, 10);
   if (node.Has("home_order")) motion.home_order = ReadHomeOrder(node);
   return motion;
+}
+
+ArmAngles ReadPark(const ConfigNode& node, const std::array<AxisLimits, kAxes>& axes) {
+  ArmAngles park{};
+  for (int i = 0; i < kAxes; ++i) {
+    const AxisLimits limits = TargetLimits(axes[i]);
+    park[i] =
+        RadFromDeg(node.Number(kAxisNames[i], Range::Between(DegFromRad(limits.min_position),
+                                                             DegFromRad(limits.max_position))));
+  }
+  return park;
 }
 
 CameraInfo ReadCamera(const ConfigNode& node) {
@@ -179,7 +191,10 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
     if (!rig.simulated) rig.axis_devices[i] = ReadAxisDevice(axis.Map("device"));
   }
   if (root.Has("keep_out")) rig.keep_out = ReadKeepOut(root.Map("keep_out"));
-  rig.motion = ReadMotion(root.Map("motion"));
+  const ConfigNode motion = root.Map("motion");
+  rig.motion = ReadMotion(motion);
+  if (motion.Has("park_deg")) rig.motion.park = ReadPark(motion.Map("park_deg"), rig.axes);
+  rig.failures = ReadFailures(root);
   // The least is not zero: without light there is nothing to divide by.
   const ConfigNode light = root.Map("light");
   rig.light_level = light.Number("level", Range::Between(0.001, 1));

@@ -11,6 +11,7 @@
 
 #include "acquisition/calibration/calibration_kind.h"
 #include "acquisition/drift.h"
+#include "acquisition/failure_policy.h"
 #include "acquisition/keep_out_config.h"
 #include "acquisition/radiometry/sensor.h"
 #include "brdf/brdf.h"
@@ -48,7 +49,8 @@ struct MotionConfig {
   // One after the other in this order, and nothing watches what they pass: arms that can meet are
   // lifted apart first.
   std::array<int, 4> home_order = {0, 1, 2, 3};
-  int retries = 2;  // repeats of a move that ended outside its tolerance
+  int retries = 2;                            // repeats of a move that ended outside its tolerance
+  std::optional<std::array<double, 4>> park;  // rad: where arms may be left, if a user wants that
 };
 
 struct ExposureConfig {
@@ -89,6 +91,7 @@ struct RigConfig {
   GeometryConfig geometry;
   KeepOutConfig keep_out;  // empty: only min_separation is looked at
   MotionConfig motion;
+  FailuresConfig failures;
   ExposureConfig exposure;
   RadiometryConfig radiometry;
   DriftPolicy drift;              // off: no reference is visited

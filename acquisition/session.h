@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "acquisition/event_log.h"
+#include "acquisition/failure_policy.h"
 #include "acquisition/interlocks.h"
 #include "acquisition/measure.h"
 #include "acquisition/rig.h"
@@ -22,10 +23,12 @@
 namespace gonio {
 
 struct SessionOptions {
-  int max_rejections_in_a_row = 10;  // >= 1: more, and the rig is taken to be broken
   // > 0, relative: where the last pose, measured again after a resume, differs by more than this
   // and by more than four of its sigmas, something has changed and the session ends.
   double max_reference_change = 0.1;
+  // Whether a session that ends cleanly leaves the arms at RigConfig::motion.park, which it then
+  // needs. Arms that were stopped at once stay where they are, and so does a rig with a fault.
+  bool park = false;
 
   // Throws ConfigError naming the option.
   void Check() const;
@@ -35,14 +38,21 @@ struct SessionOptions {
 struct SessionStop {
   std::stop_token after_pose;  // finish the pose, then end
   std::stop_token now;         // stop the arms at once; the pose is lost
-  // Asked between poses, in the session's thread: whether to pause, and then a call that returns
-  // when the session is to go on, or one of the tokens was triggered. Arms and light stay as they
-  // are: a lamp that cools down would have to warm up again.
+  // Asked between poses, in the session's thread: whether to pause, and then, or when a failure
+  // calls for a person, a call that returns when the session is to go on, or one of the tokens was
+  // triggered. Arms and light stay as they are: a lamp that cools down would have to warm up again.
+  // Without `wait` nobody can be called, and the session ends.
   std::function<bool()> pause = {};
   std::function<void()> wait = {};
 };
 
 struct SessionSoFar;
+
+// Something out of the ordinary: what is said to a person who is not there.
+struct SessionNotice {
+  std::string kind;  // as in the log: "suspended", "failure", "person_called", "session_end", ...
+  std::string message;
+};
 
 // What a session needs; everything must outlive it.
 struct SessionParts {
@@ -59,6 +69,11 @@ struct SessionParts {
   // Told a number before every pose, and no number twice: a simulated rig draws its noise by it
   // (SimDevices::draw).
   std::function<void(std::uint64_t)> draw = {};
+  // Closes the devices of a class that failed, kInstrument or kAxis, and opens them in `devices`
+  // anew; what is there is null if that fails. Empty: what is disconnected stays so.
+  std::function<Result<void>(FailureClass)> reopen = {};
+  // In the session's thread, as the next.
+  std::function<void(const SessionNotice&)> on_event = {};
   // Told of every change of state, in the session's thread.
   std::function<void(SessionState)> on_state = {};
 };
@@ -68,10 +83,13 @@ enum class SessionOutcome {
   kStopped,        // the user asked
   kDeviceFault,    // a device failed; the arms have been told to stop
   kStorageFailed,  // the log refused; what it holds is whole
+  kEmergencyStop,  // somebody pressed one
 };
 
-// "complete", "stopped", "device fault", "storage failed": as in the log.
+// "complete", "stopped", "device fault", "storage failed", "emergency stop": as in the log.
 const char* ToString(SessionOutcome outcome);
+// Not as the user or the plan wanted it.
+bool IsFault(SessionOutcome outcome);
 
 // After every measured or rejected pose.
 struct Progress {
@@ -101,6 +119,7 @@ struct SessionSummary {
   Seconds exposing{0};     // of it: exposures and their read-out
   std::vector<SessionPose> poses;
   int reference_visits = 0;
+  bool clean_up_failed = false;           // the light may still be on, or an axis move
   Gain gain;                              // of the instrument at the end; 1 without visits
   std::vector<std::string> warnings;      // one line each
   std::optional<double> predicted_error;  // the planner's, at the end
@@ -111,8 +130,8 @@ struct SessionSummary {
 // How far an earlier process came; acquisition/session_history.h makes it of a log.
 struct SessionSoFar {
   SessionSummary summary;
-  int turns = 0;  // poses asked for, refused ones included
-  int rejections_in_a_row = 0;
+  int turns = 0;                          // poses asked for, refused ones included
+  int rejections_in_a_row = 0;            // up to the last turn
   std::optional<MeasurerState> measurer;  // after the last turn; empty: there was none
   std::vector<LoggedVisit> visits;        // to the reference pose of RigConfig::drift
   std::optional<DirectionPair> first;     // the first measured pose, as it was planned
@@ -133,13 +152,16 @@ struct SessionSoFar {
 //
 //   1. Nothing moves while a frame is exposed, and nothing is exposed while an axis moves.
 //   2. The raw record of a pose is durable in the log before planner.Observe() hears of it.
-//   3. A pose that is refused (kRefused) goes to planner.Reject() and into the log, and the session
-//      goes on; any other error ends it.
+//   3. What fails is tried again, skipped, shown to a person, or the end, as RigConfig::failures
+//   has
+//      it; a pose that is skipped goes to planner.Reject() and into the log.
 //   4. Once the log fails, no further pose is measured and the planner learns nothing more.
 //   5. The same rig, devices, planner and clock give the same poses, with or without a log.
 //   6. A session that was killed and goes on makes the same choices as one that was not, given the
 //      same observations.
-//   7. A pose during which an interlock tripped is discarded and measured again.
+//   7. A pose during which an interlock tripped is discarded and measured again; one that needs no
+//      device to be looked at stops arms on their way. After that, and after a failure, the session
+//      makes the same choices as if nothing had happened, given the same observations.
 //   8. With RigConfig::drift samples are divided by the gain that the visits to the reference
 //      before them tell; the visits are in the log and no samples.
 //

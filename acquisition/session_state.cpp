@@ -15,36 +15,37 @@ using enum SessionSignal;
 
 constexpr Transition kTransitions[] = {
     {kUnhomed, kHomed, kIdle},
-    {kUnhomed, kFail, kFault},
-    {kUnhomed, kStop, kStopping},
-    {kUnhomed, kAbort, kStopping},
     {kIdle, kStart, kRunning},
-    {kIdle, kStop, kStopping},
-    {kIdle, kAbort, kStopping},
-    {kIdle, kFail, kFault},
     {kRunning, kPoseDone, kRunning},
     {kRunning, kPause, kPausing},
-    {kRunning, kStop, kStopping},
-    {kRunning, kAbort, kStopping},
-    {kRunning, kFail, kFault},
     {kPausing, kPoseDone, kPaused},
-    {kPausing, kStop, kStopping},
-    {kPausing, kAbort, kStopping},
-    {kPausing, kFail, kFault},
-    {kRunning, kTrip, kSuspended},
-    {kSuspended, kClear, kRunning},
-    {kSuspended, kStop, kStopping},
-    {kSuspended, kAbort, kStopping},
-    {kSuspended, kFail, kFault},
     {kPaused, kGoOn, kRunning},
-    {kPaused, kStop, kStopping},
-    {kPaused, kAbort, kStopping},
-    {kPaused, kFail, kFault},  // what is logged of the pause
+    {kRunning, kTrip, kSuspended},
+    {kDisconnected, kTrip, kSuspended},
+    {kSuspended, kClear, kRunning},
+    {kRunning, kLost, kDisconnected},
+    {kDisconnected, kLost, kDisconnected},  // once more
+    {kDisconnected, kOpened, kRunning},
+    {kRunning, kCall, kPaused},
+    {kDisconnected, kCall, kPaused},
     {kStopping, kCleanedUp, kEnded},
+    {kFault, kCleanedUp, kFault},  // a fault is left by a new session only
+    {kEmergencyStop, kCleanedUp, kEmergencyStop},
     {kStopping, kFail, kFault},
     {kFault, kFail, kFault},
-    {kFault, kCleanedUp, kFault},  // a fault is left by a new session only
+    {kEmergencyStop, kFail, kEmergencyStop},
 };
+
+// What can happen at any time, until it is over.
+std::optional<SessionState> AtAnyTime(SessionState state, SessionSignal signal) {
+  if (state == kStopping || state == kEnded || state == kFault || state == kEmergencyStop) {
+    return std::nullopt;
+  }
+  if (signal == kStop || signal == kAbort) return kStopping;
+  if (signal == kFail) return kFault;
+  if (signal == kEmergency) return kEmergencyStop;
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -52,11 +53,13 @@ std::optional<SessionState> After(SessionState state, SessionSignal signal) {
   for (const Transition& transition : kTransitions) {
     if (transition.from == state && transition.signal == signal) return transition.to;
   }
-  return std::nullopt;
+  return AtAnyTime(state, signal);
 }
 
 const char* ToString(SessionState state) {
   switch (state) {
+    case kDisconnected:
+      return "disconnected";
     case kUnhomed:
       return "unhomed";
     case kIdle:
@@ -75,6 +78,8 @@ const char* ToString(SessionState state) {
       return "ended";
     case kFault:
       return "fault";
+    case kEmergencyStop:
+      return "emergency stop";
   }
   return "unknown";
 }

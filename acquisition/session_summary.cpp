@@ -7,10 +7,6 @@
 namespace gonio {
 
 void SessionOptions::Check() const {
-  if (max_rejections_in_a_row < 1) {
-    throw ConfigError(
-        fmt::format("max_rejections_in_a_row: is {}, must be >= 1", max_rejections_in_a_row));
-  }
   if (!(max_reference_change > 0)) {
     throw ConfigError(
         fmt::format("max_reference_change: is {}, must be > 0", max_reference_change));
@@ -27,8 +23,14 @@ const char* ToString(SessionOutcome outcome) {
       return "device fault";
     case SessionOutcome::kStorageFailed:
       return "storage failed";
+    case SessionOutcome::kEmergencyStop:
+      return "emergency stop";
   }
   return "unknown";
+}
+
+bool IsFault(SessionOutcome outcome) {
+  return outcome != SessionOutcome::kComplete && outcome != SessionOutcome::kStopped;
 }
 
 std::vector<BrdfSample> SessionSummary::Samples() const {

@@ -55,7 +55,11 @@ WalTail ReadWalTail(const std::filesystem::path& wal) {
     const Bytes header = all.subspan(at, kFrameHeader);
     // Frames of an earlier round through the log are no part of it.
     if (!std::equal(salts.begin(), salts.end(), header.begin() + 8)) break;
-    bool sound = at + frame <= all.size() && tail.damaged == 0;
+    if (at + frame > all.size()) {  // was being written
+      ++(tail.damaged > 0 ? tail.damaged : tail.unfinished);
+      break;
+    }
+    bool sound = tail.damaged == 0;
     if (sound) {
       sum = Continue(sum, header.first(8), big);
       sum = Continue(sum, all.subspan(at + kFrameHeader, page), big);

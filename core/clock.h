@@ -5,7 +5,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <stop_token>
+#include <thread>
 
 namespace gonio {
 
@@ -49,6 +52,27 @@ class ManualClock final : public Clock {
 
  private:
   std::atomic<double> now_;  // s
+};
+
+// A clock on which somebody looks around while one thread sleeps: what waits for a motor waits
+// here. Any thread, but for Watch().
+class WatchedClock final : public Clock {
+ public:
+  explicit WatchedClock(std::unique_ptr<Clock> clock) : clock_(std::move(clock)) {}
+
+  // From now on sleeps of the calling thread come in pieces of at most `interval` > 0, with `look`
+  // after each; it is not called while it runs. Empty: no more. For the thread that sleeps.
+  void Watch(Seconds interval, std::function<void()> look);
+
+  Seconds Now() const override { return clock_->Now(); }
+  void SleepFor(Seconds duration, std::stop_token stop = {}) override;
+
+ private:
+  const std::unique_ptr<Clock> clock_;
+  std::atomic<std::thread::id> watched_{};  // the other members below belong to this thread
+  Seconds interval_{0};
+  std::function<void()> look_;
+  bool looking_ = false;
 };
 
 }  // namespace gonio

@@ -17,6 +17,8 @@ const char* ToString(ErrorCode code) {
       return "cancelled";
     case ErrorCode::kStorage:
       return "storage";
+    case ErrorCode::kEmergencyStop:
+      return "emergency stop";
   }
   return "unknown";
 }

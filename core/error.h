@@ -26,12 +26,13 @@ class ConfigError : public std::runtime_error {
 
 // Chosen by what the caller does next.
 enum class ErrorCode {
-  kTimeout,       // no answer in time; worth a retry
-  kDisconnected,  // the link is gone; open the device again
-  kProtocol,      // the answer made no sense; stop and look at the log
-  kRefused,       // the request broke a promise; fix the caller, or skip the pose
-  kCancelled,     // the user asked to stop; the device is at rest
-  kStorage,       // the disk refused; nothing more can be kept, so end the session
+  kTimeout,        // no answer in time; worth a retry
+  kDisconnected,   // the link is gone; open the device again
+  kProtocol,       // the answer made no sense; stop and look at the log
+  kRefused,        // the request broke a promise; fix the caller, or skip the pose
+  kCancelled,      // the user asked to stop; the device is at rest
+  kStorage,        // the disk refused; nothing more can be kept, so end the session
+  kEmergencyStop,  // an emergency stop is pressed; nothing moves until a person has released it
 };
 
 // "timeout", "disconnected", ...: as written in the event log.

@@ -66,6 +66,7 @@ struct AxisState {
 //         kProtocol      the answer made no sense; stop and look at the log
 //         kRefused       the request breaks a promise above; fix the caller
 //         kCancelled     `stop` was requested; the axis has been stopped
+//         kEmergencyStop somebody has pressed one, as far as the controller tells
 class Axis {
  public:
   virtual ~Axis() = default;

@@ -89,8 +89,14 @@ Result<ControllerStatus> ControllerAxis::Status() {
   return status;
 }
 
+Result<ControllerStatus> ControllerAxis::FreeStatus() {
+  Result<ControllerStatus> status = Status();
+  if (status.ok() && status->emergency) return Pressed();
+  return status;
+}
+
 Result<AxisState> ControllerAxis::State() {
-  const Result<ControllerStatus> status = Status();
+  const Result<ControllerStatus> status = FreeStatus();
   if (!status) return status.error();
   return AxisState{.position = settings_.scale.ToAngle(status->position),
                    .homed = status->homed,
@@ -101,7 +107,10 @@ Result<void> ControllerAxis::Home(std::stop_token stop) {
   const Result<ControllerStatus> before = Status();
   if (!before) return before.error();
   if (!before->enabled) {
-    if (const auto enabled = Named(controller_->Enable()); !enabled) return enabled;
+    const auto enabled = Named(controller_->Enable());
+    // Where it was released meanwhile, as some controllers do not tell, it has worked.
+    if (!enabled && before->emergency) return Pressed();
+    if (!enabled) return enabled;
   }
   if (const auto started = Named(controller_->StartHoming()); !started) return started;
   doubt_.clear();
@@ -119,7 +128,7 @@ Result<Seconds> ControllerAxis::StartMove(double position) {
                             DegFromRad(position), DegFromRad(limits.min_position),
                             DegFromRad(limits.max_position)));
   }
-  const Result<ControllerStatus> status = Status();
+  const Result<ControllerStatus> status = FreeStatus();
   if (!status) return status.error();
   if (!status->homed) {
     return Fail(ErrorCode::kRefused,
@@ -149,7 +158,7 @@ Result<ControllerStatus> ControllerAxis::WaitForRest(Seconds limit, std::stop_to
   const Seconds begin = clock_->Now();
   StallWatch watch(*clock_, settings_.limits.position_tolerance);
   while (true) {
-    const Result<ControllerStatus> status = Status();
+    const Result<ControllerStatus> status = FreeStatus();
     if (!status) return status;
     if (!status->fault.empty()) {
       (void)Stop();
@@ -202,6 +211,10 @@ Result<void> ControllerAxis::WaitForStop() {
 
 Result<void> ControllerAxis::Named(const Result<void>& result) const {
   return result ? result : Fail(result.error().code, result.error().message);
+}
+
+Error ControllerAxis::Pressed() const {
+  return Fail(ErrorCode::kEmergencyStop, "an emergency stop is pressed");
 }
 
 Error ControllerAxis::Fail(ErrorCode code, const std::string& what) const {

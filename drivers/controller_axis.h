@@ -17,6 +17,8 @@ struct ControllerStatus {
   bool moving = false;  // homing and braking, too
   bool enabled = true;  // the motor has power
   std::string fault;    // what ended a move, or keeps it from beginning; empty: nothing
+  // An emergency stop is pressed, or was since homing; not one that was sent.
+  bool emergency = false;
 };
 
 // One axis of a controller, so far as ControllerAxis needs it. Calls return when the controller has
@@ -69,6 +71,9 @@ Result<void> ReadBackAs(const std::string& setting, double value, double got, do
 //   - A fault on the way stops the axis, as do a time-out, cancelling, and a position that stays
 //     the same for two seconds while the controller says that it moves.
 //   - A stop is no fault, and waits until the motor stands.
+//   - While an emergency stop is pressed, all but stops are kEmergencyStop. Homing finds out
+//   whether
+//     it still is.
 //   - Only homing gives the motor power.
 class ControllerAxis final : public Axis {
  public:
@@ -92,10 +97,13 @@ class ControllerAxis final : public Axis {
 
   // `homed` only if nothing has happened since that could have cost the reference.
   Result<ControllerStatus> Status();
+  // kEmergencyStop where one is pressed.
+  Result<ControllerStatus> FreeStatus();
   // Until the motor stands, or a reason why not; then it has been stopped.
   Result<ControllerStatus> WaitForRest(Seconds limit, std::stop_token stop, Doing doing);
   Result<void> WaitForStop();
   Result<void> Named(const Result<void>& result) const;
+  Error Pressed() const;
   Error Fail(ErrorCode code, const std::string& what) const;
 
   const std::unique_ptr<MotionController> controller_;

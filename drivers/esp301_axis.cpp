@@ -76,6 +76,7 @@ Result<ControllerStatus> Controller::Status() {
 
   const std::lock_guard lock(mutex_);
   std::string fault = line_->FaultAfter(faults_forgiven_, axis);
+  const bool emergency = fault == kEmergencyStop;
   const bool set_up = std::abs(*speed - speed_) <= kRounding * speed_;
   reference_ = Judge(*done, *enabled, set_up, !fault.empty());
   const bool sought = reference_ == Reference::kSought || reference_ == Reference::kBeingSought;
@@ -83,7 +84,8 @@ Result<ControllerStatus> Controller::Status() {
                           .homed = reference_ == Reference::kFound,
                           .moving = !*done || sought,
                           .enabled = *enabled,
-                          .fault = std::move(fault)};
+                          .fault = std::move(fault),
+                          .emergency = emergency};
 }
 
 // Homing counts only once it was seen to move: else "done" may be from before it began.
@@ -125,7 +127,7 @@ Result<void> Controller::StartStop() {
 
 Result<void> Controller::StartEmergencyStop() {
   GiveUpHoming();
-  return line_->StopCommand(0, "AB");
+  return line_->AbortCommand();
 }
 
 Result<void> Controller::Identify() {
@@ -234,6 +236,7 @@ auto Line::Ask(int axis, const std::string& question, Decode decode)
 Result<void> Line::Command(int axis, const std::string& command) {
   const std::lock_guard lock(mutex_);
   if (const auto before = EmptyQueue(axis); !before) return before.error();
+  aborted_ = false;
   const auto sent = link_->Write(Encode(axis, command), reply_limit_);
   if (!sent) return sent.error();
   const Result<QueuedError> error = EmptyQueue(axis);
@@ -247,6 +250,14 @@ Result<void> Line::StopCommand(int axis, const std::string& command) {
   if (!sent) return sent.error();
   const Result<QueuedError> error = EmptyQueue(axis);
   return error ? Result<void>() : error.error();
+}
+
+Result<void> Line::AbortCommand() {
+  {
+    const std::lock_guard lock(mutex_);
+    aborted_ = true;
+  }
+  return StopCommand(0, "AB");
 }
 
 Result<void> Line::ReadErrors() {
@@ -267,7 +278,10 @@ Result<QueuedError> Line::EmptyQueue(int axis) {
       return About(0, "TE?", error.error());
     }
     if (error->none()) return first;
-    if (IsFault(*error)) faults_.Note(error->axis, TextOf(*error));
+    if (IsFault(*error)) {
+      const std::string text = TextOf(*error);
+      faults_.Note(error->axis, aborted_ && text == kEmergencyStop ? "aborted" : text);
+    }
     const bool ours = error->axis == axis || error->axis == 0;
     if (ours && first.none()) first = *error;
   }

@@ -40,6 +40,8 @@ class Line {
   Result<void> Command(int axis, const std::string& command);
   // Sent before anything is asked, and never kRefused.
   Result<void> StopCommand(int axis, const std::string& command);
+  // Aborts all axes. The controller calls that an emergency stop, too; here it is "aborted".
+  Result<void> AbortCommand();
 
   // Empties the error queue; faults are kept, for each axis until it has been homed again.
   Result<void> ReadErrors();
@@ -61,7 +63,8 @@ class Line {
   std::unique_ptr<ByteLink> link_;
   LineReader lines_;
   Seconds reply_limit_;
-  bool in_step_ = true;  // the next answer will be that of the next question
+  bool in_step_ = true;   // the next answer will be that of the next question
+  bool aborted_ = false;  // by us, and nothing was commanded since
   FaultBook faults_;
 };
 

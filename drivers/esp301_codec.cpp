@@ -20,7 +20,7 @@ struct Named {
 constexpr Named kOfController[] = {
     {1, false, "communication time-out"},
     {2, false, "communication time-out"},
-    {4, true, "emergency stop"},
+    {4, true, kEmergencyStop},
     {6, false, "command does not exist"},
     {7, false, "parameter out of range"},
     {8, true, "cable interlock"},

@@ -43,6 +43,7 @@ struct QueuedError {
 // The answer to TE?, "106".
 Result<QueuedError> ErrorIn(std::string_view answer);
 // In words: "positive software limit".
+inline constexpr const char* kEmergencyStop = "emergency stop";
 std::string TextOf(const QueuedError& error);
 // Whether it happened to the axis, or to all if error.axis is 0, rather than refuse a command. One
 // that is not known is taken for a fault.

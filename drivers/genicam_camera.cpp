@@ -307,8 +307,8 @@ Result<void> GenicamCamera::Impl::Reopen(Request& request) {
     auto link = GenicamLink::Open(settings_);
     // What it is, and every setting that it read back.
     if (link && (*link)->identity() != identity_) {
-      return Error{ErrorCode::kRefused, fmt::format("in its place was found: {}; it was: {}",
-                                                    (*link)->identity(), identity_)};
+      return Error{ErrorCode::kProtocol, fmt::format("in its place was found: {}; it was: {}",
+                                                     (*link)->identity(), identity_)};
     }
     if (link) {
       link_ = std::move(link).value();

@@ -75,6 +75,7 @@ Result<ControllerStatus> Controller::Status() {
                           .fault = {}};
   if (WithoutPower(reply->warning)) {
     status.enabled = false;
+    status.emergency = reply->warning == "FH";
   } else if (IsFault(reply->warning)) {
     status.fault = "fault " + reply->warning;
   }

@@ -18,6 +18,7 @@ constexpr double kMostAcceleration = 1000;
 constexpr Seconds kShortestSearch{1};  // even from the mark it goes to and fro
 constexpr std::size_t kQueue = 10;
 constexpr int kNoSuchCommand = 6;
+constexpr int kEmergencyStop = 4;
 constexpr int kNoSuchAxis = 9;
 constexpr int kAxisMissing = 37;
 
@@ -63,6 +64,7 @@ std::string Esp301Emulator::Answer(std::string_view command) {
   if (name == "AB") {
     Halt();
     powered_ = false;
+    Queue(kEmergencyStop);
     return {};
   }
   if (digits == 0 || axis != stage_.axis) {

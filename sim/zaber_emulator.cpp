@@ -36,6 +36,7 @@ struct ZaberEmulator::Axis {
 
   long Counter() const { return std::lround((motor.Position() - counter_zero) * steps_per_radian); }
   std::string Flag() const {
+    if (pressed) return "FH";
     if (disabled) return "FO";
     if (stalled) return "FS";
     if (!referenced && !Homing()) return "WR";
@@ -66,6 +67,7 @@ struct ZaberEmulator::Axis {
   bool homing = false;
   bool stalled = false;
   bool disabled = false;
+  bool pressed = false;  // the emergency stop
   bool interrupted = false;
 };
 
@@ -120,6 +122,10 @@ std::string ZaberEmulator::Do(std::string_view data, bool* accepted) {
   if (StartsWith(data, "get ")) return Get(data.substr(4), accepted);
   if (StartsWith(data, "set ")) return Set(data.substr(4), accepted);
   if (StartsWith(data, "move ")) return Move(data.substr(5), accepted);
+  if (data == "driver enable" && axis_->pressed) {
+    *accepted = false;
+    return "DRIVERDISABLED";
+  }
   if (data == "driver enable") {
     axis_->disabled = false;
     return "0";
@@ -141,7 +147,8 @@ std::string ZaberEmulator::Do(std::string_view data, bool* accepted) {
   }
   if (data == "warnings") {
     std::string flags;
-    if (axis_->disabled) flags += " FO";
+    if (axis_->pressed) flags += " FH";
+    if (axis_->disabled && !axis_->pressed) flags += " FO";
     if (axis_->stalled) flags += " FS";
     if (!axis_->referenced) flags += " WR";
     if (axis_->interrupted) flags += " NI";
@@ -212,6 +219,17 @@ void ZaberEmulator::Stall() {
   const std::lock_guard lock(mutex_);
   axis_->Halt();
   axis_->stalled = true;
+}
+
+void ZaberEmulator::PressEmergencyStop() {
+  CutMotorPower();
+  const std::lock_guard lock(mutex_);
+  axis_->pressed = true;
+}
+
+void ZaberEmulator::ReleaseEmergencyStop() {
+  const std::lock_guard lock(mutex_);
+  axis_->pressed = false;
 }
 
 void ZaberEmulator::CutMotorPower() {

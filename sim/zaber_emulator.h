@@ -41,6 +41,9 @@ class ZaberEmulator {
   void Reset();          // power fails and comes back: stands, and has no reference
   void Stall();          // stands, flag FS until the next move
   void CutMotorPower();  // stands, its driver disabled (FO) until enabled
+  // The button at its input: stands, flag FH, and is not enabled until it is released.
+  void PressEmergencyStop();
+  void ReleaseEmergencyStop();
 
  private:
   struct Axis;

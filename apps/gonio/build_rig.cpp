@@ -70,7 +70,7 @@ RigFile ParseRig(const std::string& text, const std::filesystem::path& path, Cal
 OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t seed,
                         Seconds begin) {
   OpenedRig rig;
-  rig.clock = std::make_unique<ManualClock>(begin);
+  rig.clock = std::make_unique<WatchedClock>(std::make_unique<ManualClock>(begin));
   const SimSetup setup{.axes = file.config.axes,
                        .home_limit = file.config.motion.home_limit,
                        .camera = file.config.camera,
@@ -81,6 +81,7 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
                  .light = std::move(sim.light),
                  .monitor = std::move(sim.monitor)};
   rig.draw = std::move(sim.draw);
+  rig.identities = IdentitiesOf(rig.devices);
   CheckCalibratedCamera(file, *rig.devices.camera);
   return rig;
 }
@@ -156,6 +157,30 @@ void OpenRealCamera(const RigConfig& config, OpenedRig& rig) {
   rig.genicam = dynamic_cast<const GenicamCamera*>(rig.devices.camera.get());
 }
 
+// What the arms and the light say is there to see.
+void SimulateCamera(const RigFile& file, const Brdf& sample, std::uint64_t seed, OpenedRig& rig) {
+  std::array<Axis*, kAxes> axes{};
+  for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
+  auto camera = std::make_unique<SimCamera>(
+      "camera", file.config.camera, file.simulation, sample,
+      std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
+      *rig.clock, Random(seed, kCameraStream), file.built);
+  rig.draw = [seed, c = camera.get()](std::uint64_t number) {
+    c->Reseed(Random(Random::Hash(seed, number), kCameraStream));
+  };
+  rig.devices.camera = std::move(camera);
+}
+
+void OpenCameraOf(const RigFile& file, const Brdf* sample, std::uint64_t seed, OpenedRig& rig) {
+  if (file.config.camera_device.driver == CameraDevice::Driver::kSimulated) {
+    GONIO_CHECK(sample != nullptr, "a simulated camera needs something to look at");
+    SimulateCamera(file, *sample, seed, rig);
+    return;
+  }
+  OpenRealCamera(file.config, rig);
+  CheckCalibratedCamera(file, *rig.devices.camera);
+}
+
 }  // namespace
 
 Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
@@ -170,27 +195,51 @@ Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex ax
 OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
                    std::unique_ptr<Clock> clock) {
   OpenedRig rig;
-  rig.clock = std::move(clock);
+  rig.clock = std::make_unique<WatchedClock>(std::move(clock));
   rig.wires = std::make_shared<LinkLog>(rig.clock.get());
   OpenAxes(file.config, rig);
   OpenLightAndMonitor(file, seed, rig);
-  if (file.config.camera_device.driver != CameraDevice::Driver::kSimulated) {
-    OpenRealCamera(file.config, rig);
-    CheckCalibratedCamera(file, *rig.devices.camera);
-    return rig;
-  }
-  GONIO_CHECK(sample != nullptr, "a simulated camera needs something to look at");
-  std::array<Axis*, kAxes> axes{};
-  for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
-  auto camera = std::make_unique<SimCamera>(
-      "camera", file.config.camera, file.simulation, *sample,
-      std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
-      *rig.clock, Random(seed, kCameraStream), file.built);
-  rig.draw = [seed, c = camera.get()](std::uint64_t number) {
-    c->Reseed(Random(Random::Hash(seed, number), kCameraStream));
-  };
-  rig.devices.camera = std::move(camera);
+  OpenCameraOf(file, sample, seed, rig);
+  rig.identities = IdentitiesOf(rig.devices);
   return rig;
+}
+
+Result<void> Reopen(const RigFile& file, const Brdf* sample, std::uint64_t seed,
+                    FailureClass failure, OpenedRig& rig) {
+  if (file.config.simulated) return {};
+  rig.devices.camera.reset();  // a simulated one looks at the others
+  rig.genicam = nullptr;
+  try {
+    if (failure == FailureClass::kAxis) {
+      for (auto& axis : rig.devices.axes) axis.reset();
+      OpenAxes(file.config, rig);
+    } else {
+      rig.devices.light.reset();
+      rig.devices.monitor.reset();
+      OpenLightAndMonitor(file, seed, rig);
+    }
+    OpenCameraOf(file, sample, seed, rig);
+  } catch (const std::runtime_error& e) {
+    return Error{ErrorCode::kDisconnected, e.what()};
+  }
+  for (const auto& [role, identity] : IdentitiesOf(rig.devices)) {
+    if (identity == rig.identities.at(role)) continue;
+    return Error{ErrorCode::kProtocol,
+                 fmt::format("{}: was {}, is {}", role, rig.identities.at(role), identity)};
+  }
+  return {};
+}
+
+std::map<std::string, std::string> IdentitiesOf(const Devices& devices) {
+  std::map<std::string, std::string> identities;
+  const auto add = [&](const char* role, const auto& device) {
+    if (device) identities[role] = device->identity();
+  };
+  for (int i = 0; i < kAxes; ++i) add(kAxisNames[i], devices.axes[i]);
+  add("camera", devices.camera);
+  add("light", devices.light);
+  add("monitor", devices.monitor);
+  return identities;
 }
 
 Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample) {

@@ -6,8 +6,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
+#include <string>
 
+#include "acquisition/failure_policy.h"
 #include "acquisition/interlocks.h"
 #include "acquisition/radiometry/sensor.h"
 #include "acquisition/rig.h"
@@ -42,9 +45,10 @@ RigFile ParseRig(const std::string& text, const std::filesystem::path& path, Cal
 
 // Devices with the clock they live by. Destroying it stops the axes and switches the light off.
 struct OpenedRig {
-  std::unique_ptr<Clock> clock;    // virtual on a simulated rig
-  std::shared_ptr<LinkLog> wires;  // of the real devices; null on a simulated rig
+  std::unique_ptr<WatchedClock> clock;  // virtual on a simulated rig
+  std::shared_ptr<LinkLog> wires;       // of the real devices; null on a simulated rig
   Devices devices;
+  std::map<std::string, std::string> identities;  // of the devices, as they were opened first
   // SimDevices::draw, of what is simulated; empty: nothing is.
   std::function<void(std::uint64_t)> draw;
   const GenicamCamera* genicam = nullptr;  // devices.camera, if it is one
@@ -64,6 +68,15 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
 // says, or cannot do it; DeviceError, with the last lines of the wires, if one does not answer.
 OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
                    std::unique_ptr<Clock> clock);
+
+// Closes the axes of a real rig, or its camera, light and monitor, and opens them anew, which have
+// to be the same devices. Where that fails some of them are null. Nothing is ever lost of a
+// simulated rig. `file` and `sample` as in OpenReal().
+Result<void> Reopen(const RigFile& file, const Brdf* sample, std::uint64_t seed,
+                    FailureClass failure, OpenedRig& rig);
+
+// Who the devices say they are, by their roles; those that are open.
+std::map<std::string, std::string> IdentitiesOf(const Devices& devices);
 
 // One axis of it, as OpenReal() opens them, on a line that others may share.
 Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,

@@ -35,6 +35,11 @@ Action SetUpRun(CLI::App& app) {
   app.add_option("--calibration", o->calibration,
                  "Folder of calibration files (default: the rig's calibration.folder)");
   app.add_flag("--quiet", o->quiet, "No progress, only the summary");
+  app.add_option(
+      "--notify", o->notify,
+      "Command to run at a failure, a suspension, a pause and the end, with what happened "
+      "as JSON on its standard input");
+  app.add_flag("--park", o->park, "Leave the arms at the rig's motion.park_deg after a clean end");
   CLI::Option* const resume =
       app.add_option("--resume", o->resume, "Go on with this session; everything else is its own")
           ->excludes(out);

@@ -34,8 +34,10 @@ struct RunOptions {
   std::string prior;                  // "none", "generic", a prior file, or empty: the plan's
   std::filesystem::path calibration;  // folder, in place of the rig's
   bool quiet = false;
+  std::string notify;  // a command that is told what goes wrong; empty: none
+  bool park = false;   // at a clean end
 
-  // A session to go on with. All but the next two and `quiet` are then its own; those that are
+  // A session to go on with. All but the next two and those three are then its own; those that are
   // named here all the same are changes.
   std::filesystem::path resume;
   bool accept_changed = false;

@@ -19,7 +19,7 @@
 namespace gonio {
 namespace {
 
-constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP, SIGUSR1};
 
 // A handler can do no more than this: sem_post is on the short list of what is safe in one. A
 // thread does the rest, since stop callbacks may lock.
@@ -69,6 +69,11 @@ struct Interrupt::Impl {
   }
 
   void Act(int signal) {
+    if (signal == SIGUSR1) {
+      Phase expected = Phase::kPaused;
+      phase.compare_exchange_strong(expected, Phase::kRunning);
+      return;
+    }
     switch (phase) {
       case Phase::kRunning:
         if (signal == SIGINT && keyboard >= 0) {
@@ -132,10 +137,16 @@ std::stop_token Interrupt::now() const { return impl_->now.get_token(); }
 bool Interrupt::pausing() const { return impl_->phase == Impl::Phase::kPausing; }
 
 void Interrupt::WaitWhilePaused() {
-  Impl::Phase expected = Impl::Phase::kPausing;
-  if (!impl_->phase.compare_exchange_strong(expected, Impl::Phase::kPaused)) return;
-  Say("gonio: paused; Enter goes on, Ctrl-C ends the session\n");
-  while (!after_pose().stop_requested() && !now().stop_requested()) {
+  for (const Impl::Phase from : {Impl::Phase::kPausing, Impl::Phase::kRunning}) {
+    Impl::Phase expected = from;
+    if (impl_->phase.compare_exchange_strong(expected, Impl::Phase::kPaused)) break;
+  }
+  if (impl_->keyboard >= 0) {
+    Say("gonio: paused; Enter goes on, Ctrl-C ends the session\n");
+  } else {
+    Say("gonio: paused; SIGUSR1 goes on, SIGTERM ends the session\n");
+  }
+  while (impl_->phase == Impl::Phase::kPaused) {
     std::array<pollfd, 2> ready{{{impl_->keyboard, POLLIN, 0}, {impl_->wake, POLLIN, 0}}};
     if (::poll(ready.data(), ready.size(), -1) < 0) continue;
     if (ready[1].revents != 0) {
@@ -148,8 +159,8 @@ void Interrupt::WaitWhilePaused() {
       impl_->Stop("gonio: nobody is there any more; ending the session\n");
       return;
     }
-    expected = Impl::Phase::kPaused;
-    if (impl_->phase.compare_exchange_strong(expected, Impl::Phase::kRunning)) return;
+    Impl::Phase expected = Impl::Phase::kPaused;
+    impl_->phase.compare_exchange_strong(expected, Impl::Phase::kRunning);
   }
 }
 

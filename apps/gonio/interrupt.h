@@ -16,9 +16,9 @@ namespace gonio {
 //   3rd          end the process, whatever the devices do        the same
 //   while paused stop: the session ends cleanly
 //
-// SIGTERM and SIGHUP (the terminal is gone) are those without a terminal. A SIGHUP that was ignored
-// when it was made, as nohup does, stays ignored. The destructor gives the signals back. At most
-// one at a time.
+// SIGTERM and SIGHUP (the terminal is gone) are those without a terminal; SIGUSR1 goes on with what
+// is paused, as Enter does. A SIGHUP that was ignored when it was made, as nohup does, stays
+// ignored. The destructor gives the signals back. At most one at a time.
 class Interrupt {
  public:
   // `keyboard`: a descriptor on which a line is Enter; -1: there is nobody to press it.
@@ -32,8 +32,9 @@ class Interrupt {
 
   // Whether a pause was asked for. Any thread, as the next.
   bool pausing() const;
-  // Blocks until Enter, after which there is no pause any more, or one of the tokens is triggered:
-  // by a signal, or because the keyboard is gone.
+  // Blocks until Enter or SIGUSR1, after which there is no pause any more, or one of the tokens is
+  // triggered: by a signal, or because the keyboard is gone. Also where no pause was asked for, if
+  // the session wants a person.
   void WaitWhilePaused();
 
  private:

@@ -42,12 +42,7 @@ class Resumption {
     if (!record_.info.imported.empty()) {
       throw ConfigError(dir_.string() + ": was imported: there is no rig to go on with");
     }
-    if (tail_.damaged > 0) {
-      fmt::print(stderr,
-                 "gonio: warning: {}: the last {} pages of the write-ahead log are damaged, the "
-                 "newest of what was written is lost; what is left is whole\n",
-                 dir_.string(), tail_.damaged);
-    }
+    WarnOfDroppedPages();
     if (record_.end && record_.end->outcome == "complete" && options_.max_poses == 0) {
       throw ConfigError(
           fmt::format("{}: is complete ({}); --max-poses with --accept-changed goes "
@@ -69,17 +64,32 @@ class Resumption {
     const std::unique_ptr<Planner> planner = PlannerFor(setup_, was_.seed);
     const SessionSoFar so_far = Follow(history, *planner);
     RefuseChanges();
+    const DriveOptions drive = DriveOptionsOf(options_, setup_.rig.config);
     OpenedRig rig = Open(setup_, was_.seed, history.end);
     CompareDevices(rig.devices);
     RefuseChanges();
     Announce(rig, so_far);
-    SessionOptions session;
-    session.max_reference_change = options_.max_reference_change_percent / 100;
-    return DriveSession({setup_, rig, calibrations_, *planner, log_, &so_far}, session, dir_,
-                        options_.quiet);
+    return DriveSession({setup_, rig, calibrations_, *planner, log_, was_.seed, &so_far}, drive,
+                        dir_);
   }
 
  private:
+  void WarnOfDroppedPages() const {
+    if (tail_.damaged == 1) {
+      fmt::print(
+          stderr,
+          "gonio: warning: {}: the last page of the write-ahead log is not whole: it was being "
+          "written when the session broke off, or is damaged and the newest of what was written "
+          "is lost; what is left is whole\n",
+          dir_.string());
+    } else if (tail_.damaged > 1) {
+      fmt::print(stderr,
+                 "gonio: warning: {}: the last {} pages of the write-ahead log are damaged, the "
+                 "newest of what was written is lost; what is left is whole\n",
+                 dir_.string(), tail_.damaged);
+    }
+  }
+
   void RefuseDamage() const {
     const std::vector<std::string> damage = FindDamage(dir_);
     if (damage.empty()) return;

@@ -59,13 +59,14 @@ int RunCommand(const RunOptions& options) {
   const SessionChoice choice = ChoiceOf(options);
   SessionSetup setup = SetUp(choice);
   if (setup.material) WarnIfSeen(setup.plan.prior, choice.material_path.stem().string());
+  const DriveOptions drive = DriveOptionsOf(options, setup.rig.config);
   OpenedRig rig = Open(setup, options.seed);
   const Calibrations calibrations = LoadFor(setup.rig.config, *rig.devices.camera);
   Believe(calibrations, &setup.rig.config);
   const std::unique_ptr<Planner> planner = PlannerFor(setup, options.seed);
   EventLog log = EventLog::Create(options.out, Describe(choice, setup, calibrations, rig.devices));
   CopyCalibrationsTo(options.out / kSessionCalibration, calibrations, setup.rig.config);
-  return DriveSession({setup, rig, calibrations, *planner, log}, {}, options.out, options.quiet);
+  return DriveSession({setup, rig, calibrations, *planner, log, options.seed}, drive, options.out);
 }
 
 }  // namespace gonio

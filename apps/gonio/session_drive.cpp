@@ -10,6 +10,7 @@
 #include "acquisition/time_estimate.h"
 #include "apps/gonio/device_error.h"
 #include "apps/gonio/interrupt.h"
+#include "apps/gonio/notify.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/progress.h"
 #include "apps/gonio/status_file.h"
@@ -53,10 +54,7 @@ void PrintDense(const SessionSummary& s, const RigConfig& rig) {
 
 // What went wrong is for standard error; what was measured is safe either way.
 void ReportFault(const SessionSummary& summary, const fs::path& out) {
-  if (summary.outcome != SessionOutcome::kDeviceFault &&
-      summary.outcome != SessionOutcome::kStorageFailed) {
-    return;
-  }
+  if (!IsFault(summary.outcome)) return;
   fmt::print(stderr, "gonio: {} ({} poses are safe in {})\n", summary.reason, summary.poses.size(),
              out.string());
 }
@@ -103,39 +101,81 @@ void FitAndPrint(const SessionSummary& summary, const SessionSetup& setup, const
   PrintDense(summary, setup.rig.config);
 }
 
+// Devices that failed, opened anew; between interlocks and devices there is nobody then.
+Result<void> ReopenFor(const DriveParts& parts, Interlocks* interlocks, FailureClass failure) {
+  if (interlocks != nullptr) interlocks->Release(parts.rig.devices);
+  const auto opened =
+      Reopen(parts.setup.rig, parts.setup.SimulatedSample(), parts.seed, failure, parts.rig);
+  if (interlocks != nullptr) interlocks->Wrap(parts.rig.devices);
+  return opened;
+}
+
+SessionSummary Measure(const DriveParts& parts, const DriveOptions& options, const fs::path& dir) {
+  const SessionSetup& setup = parts.setup;
+  OpenedRig& rig = parts.rig;
+  std::optional<Interlocks> interlocks;
+  if (!setup.rig.interlocks.signals.empty()) {
+    interlocks.emplace(setup.rig.interlocks, rig.devices, *rig.clock, dir);
+    interlocks->WatchWith(*rig.clock);
+  }
+  Interlocks* const watch = interlocks ? &*interlocks : nullptr;
+  const bool terminal = ::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0;
+  Interrupt interrupt(terminal ? STDIN_FILENO : -1);
+  ProgressLine line("measuring", options.quiet);
+  StatusFile status(dir);
+  Notifier notifier(options.notify, dir);
+  const SessionParts session{
+      .rig = setup.rig.config,
+      .devices = rig.devices,
+      .clock = *rig.clock,
+      .planner = parts.planner,
+      .log = &parts.log,
+      .calibrations = &parts.calibrations,
+      .so_far = parts.so_far,
+      .interlocks = watch,
+      // A camera that is opened anew draws anew.
+      .draw =
+          [&](std::uint64_t number) {
+            if (rig.draw) rig.draw(number);
+          },
+      .reopen = [&](FailureClass failure) { return ReopenFor(parts, watch, failure); },
+      .on_event = [&](const SessionNotice& notice) { notifier.Tell(notice); },
+      .on_state = [&](SessionState state) { status.Enter(state); }};
+  const SessionStop stop{.after_pose = interrupt.after_pose(),
+                         .now = interrupt.now(),
+                         .pause = [&] { return interrupt.pausing(); },
+                         .wait = [&] { interrupt.WaitWhilePaused(); }};
+  const SessionSummary summary =
+      RunSession(session, options.session, stop, [&](const Progress& progress) {
+        line.Show(progress);
+        status.Show(progress);
+      });
+  status.End(summary);
+  return summary;
+}
+
 }  // namespace
 
-int DriveSession(const DriveParts& parts, const SessionOptions& options,
-                 const std::filesystem::path& dir, bool quiet) {
+DriveOptions DriveOptionsOf(const RunOptions& options, const RigConfig& rig) {
+  DriveOptions drive;
+  drive.session.max_reference_change = options.max_reference_change_percent / 100;
+  drive.session.park = options.park;
+  drive.notify = options.notify;
+  drive.quiet = options.quiet;
+  if (options.park && !rig.motion.park) {
+    throw ConfigError("--park: the rig file has no motion.park_deg");
+  }
+  return drive;
+}
+
+int DriveSession(const DriveParts& parts, const DriveOptions& options,
+                 const std::filesystem::path& dir) {
   const SessionSetup& setup = parts.setup;
   OpenedRig& rig = parts.rig;
   EventLog& log = parts.log;
   if (rig.wires) rig.wires->WriteTo(dir / kWireLog);
 
-  std::optional<Interlocks> interlocks;
-  if (!setup.rig.interlocks.signals.empty()) {
-    interlocks.emplace(setup.rig.interlocks, rig.devices, *rig.clock, dir);
-  }
-  SessionSummary summary;
-  {
-    const bool terminal = ::isatty(STDIN_FILENO) != 0 && ::isatty(STDERR_FILENO) != 0;
-    Interrupt interrupt(terminal ? STDIN_FILENO : -1);
-    ProgressLine line("measuring", quiet);
-    StatusFile status(dir);
-    summary = RunSession({setup.rig.config, rig.devices, *rig.clock, parts.planner, &log,
-                          &parts.calibrations, parts.so_far, interlocks ? &*interlocks : nullptr,
-                          rig.draw, [&](SessionState state) { status.Enter(state); }},
-                         options,
-                         {.after_pose = interrupt.after_pose(),
-                          .now = interrupt.now(),
-                          .pause = [&] { return interrupt.pausing(); },
-                          .wait = [&] { interrupt.WaitWhilePaused(); }},
-                         [&](const Progress& progress) {
-                           line.Show(progress);
-                           status.Show(progress);
-                         });
-    status.End(summary);
-  }
+  const SessionSummary summary = Measure(parts, options, dir);
   ReportFault(summary, dir);
   if (rig.genicam != nullptr) {
     const std::string frames = TextOf(rig.genicam->counters());
@@ -145,7 +185,8 @@ int DriveSession(const DriveParts& parts, const SessionOptions& options,
   rig.devices = {};  // stops and switches off: the last words on their wires
   if (rig.wires) {
     RecordWires(*rig.wires, summary, log);
-    if (summary.outcome == SessionOutcome::kDeviceFault) {
+    if (summary.outcome == SessionOutcome::kDeviceFault ||
+        summary.outcome == SessionOutcome::kEmergencyStop) {
       fmt::print(stderr, "{}", LastOnTheWires(*rig.wires));
     }
   }

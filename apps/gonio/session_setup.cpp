@@ -130,15 +130,6 @@ std::string HashOfMaterial(const fs::path& path) {
   return fs::is_regular_file(path) ? Sha256OfFile(path) : std::string();
 }
 
-std::map<std::string, std::string> IdentitiesOf(const Devices& devices) {
-  std::map<std::string, std::string> identities;
-  for (int i = 0; i < kAxes; ++i) identities[kAxisNames[i]] = devices.axes[i]->identity();
-  identities["camera"] = devices.camera->identity();
-  identities["light"] = devices.light->identity();
-  identities["monitor"] = devices.monitor->identity();
-  return identities;
-}
-
 SessionInfo Describe(const SessionChoice& choice, const SessionSetup& setup,
                      const Calibrations& calibrations, const Devices& devices) {
   SessionInfo info;

@@ -65,9 +65,6 @@ Calibrations LoadFor(const RigConfig& rig, const Camera& camera);
 // SHA-256 of a material's file; empty for one that is a session.
 std::string HashOfMaterial(const std::filesystem::path& path);
 
-// Who the devices say they are, by their roles.
-std::map<std::string, std::string> IdentitiesOf(const Devices& devices);
-
 SessionInfo Describe(const SessionChoice& choice, const SessionSetup& setup,
                      const Calibrations& calibrations, const Devices& devices);
 

@@ -56,6 +56,7 @@ int ExitCodeOf(SessionOutcome outcome) {
     case SessionOutcome::kStopped:
       return kStoppedByUser;
     case SessionOutcome::kDeviceFault:
+    case SessionOutcome::kEmergencyStop:
       return kDeviceFaultExit;
     case SessionOutcome::kStorageFailed:
       return kFailed;

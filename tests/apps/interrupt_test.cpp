@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <semaphore>
@@ -91,6 +92,26 @@ TEST(Interrupt, AKeyboardThatIsGoneEndsAPause) {
   ASSERT_TRUE(Pauses(interrupt));
   keyboard.Unplug();
   interrupt.WaitWhilePaused();
+  EXPECT_TRUE(interrupt.after_pose().stop_requested());
+}
+
+// Where nobody is at a keyboard a session that wants a person waits for a signal.
+TEST(Interrupt, SigusrGoesOnWithoutATerminal) {
+  Interrupt interrupt;
+  std::raise(SIGUSR1);  // nothing is paused: it means nothing
+  std::atomic<bool> over = false;
+  std::jthread waits([&] {
+    interrupt.WaitWhilePaused();
+    over = true;
+  });
+  while (!over) {
+    std::raise(SIGUSR1);
+    std::this_thread::yield();
+  }
+  EXPECT_FALSE(interrupt.after_pose().stop_requested());
+  std::jthread ends([&] { interrupt.WaitWhilePaused(); });
+  std::raise(SIGTERM);
+  ends.join();
   EXPECT_TRUE(interrupt.after_pose().stop_requested());
 }
 

@@ -143,7 +143,8 @@ TEST_F(SimCameraDevices, ASessionGoesOnWhenItsCameraComesBack) {
 TEST_F(SimCameraDevices, ASessionEndsWholeWhenItsCameraStaysAway) {
   File("grey.yaml", kGrey);
   File("rig.yaml", With(Config("bench-camera.yaml"), "black_level_counts: 64",
-                        "black_level_counts: 64, reopen_s: 1"));
+                        "black_level_counts: 64, reopen_s: 1") +
+                       "failures: {instrument: {retries: 1, wait_s: 0.1}}\n");
   const Finished finished = OnBench("rig.yaml --material grey.yaml --camera-gone-after 3",
                                     "\"$GONIO\" run --rig rig.yaml --max-poses 6 --out session");
   EXPECT_EQ(finished.code, 4) << finished.err;
@@ -151,6 +152,27 @@ TEST_F(SimCameraDevices, ASessionEndsWholeWhenItsCameraStaysAway) {
   const SessionRecord record = ReadSession(work() / "session");
   EXPECT_GE(record.poses.size(), 1u);
   EXPECT_LT(record.poses.size(), 6u);
+}
+
+// Away for longer than its driver looks for it: the session opens it anew, and the light and the
+// monitor with it. Example failure is a port that is still held by the driver that gave up.
+TEST_F(SimCameraDevices, ASessionOpensItsCameraAnew) {
+  File("grey.yaml", kGrey);
+  File("rig.yaml", With(Config("bench-camera.yaml"), "black_level_counts: 64",
+                        "black_level_counts: 64, reopen_s: 1") +
+                       "failures: {instrument: {retries: 30, wait_s: 0.5}, max_in_a_row: 100}\n");
+  const Finished finished =
+      OnBench("rig.yaml --material grey.yaml --camera-gone-after 3 --camera-gone-for-s 20",
+              "\"$GONIO\" run --rig rig.yaml --max-poses 6 --out session "
+              "--notify 'cat >> notices'");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const SessionRecord record = ReadSession(work() / "session");
+  EXPECT_EQ(record.poses.size(), 6u);
+  const std::string notices = ReadTextFile(work() / "notices");
+  EXPECT_THAT(notices, HasSubstr(R"("kind":"failure")"));
+  EXPECT_THAT(notices, HasSubstr("the camera was lost and not found again"));
+  EXPECT_THAT(notices, HasSubstr(R"("kind":"recovered")"));
+  EXPECT_THAT(notices, HasSubstr(R"("kind":"session_end")"));
 }
 
 TEST_F(SimDevices, RefusesTroubleForACameraThatIsNotThere) {

@@ -268,14 +268,25 @@ TEST(Esp301Axis, NoticesAResetByTheSpeedItHasForgotten) {
   EXPECT_THAT(bench.heard.Text(), HasSubstr("1AG57.295780\r"));
 }
 
+TEST(Esp301Axis, AnEmergencyStopIsAStateUntilItIsHomedAgain) {
+  Bench bench;
+  const auto axis = bench.Moving();
+  bench.stage.Receive("AB\r");  // as the button at its input does
+  const auto still = axis->WaitUntilStill(Seconds(60), {});
+  ASSERT_FALSE(still.ok());
+  EXPECT_EQ(still.error().code, ErrorCode::kEmergencyStop);
+  EXPECT_EQ(axis->StartMove(1).error().message, "arm: an emergency stop is pressed");
+  EXPECT_TRUE(axis->Home({}).ok());
+  EXPECT_TRUE(axis->StartMove(1).ok());
+}
+
 TEST(Esp301Axis, StopsHardInAnEmergencyAndIsNotHomedAfterIt) {
   Bench bench;
   const auto axis = bench.Moving();
   bench.heard.Clear();
   ASSERT_TRUE(axis->EmergencyStop().ok());
   EXPECT_EQ(bench.heard.Text().substr(0, 3), "AB\r");
-  EXPECT_EQ(axis->StartMove(1).error().message,
-            "arm: is not homed since: the motor was without power");
+  EXPECT_EQ(axis->StartMove(1).error().message, "arm: is not homed since: aborted");
 }
 
 }  // namespace

@@ -68,6 +68,24 @@ TEST_F(ZaberFaults, ReportsAStall) {
   EXPECT_EQ(still.error().message, "arm: a move ended: fault FS");
 }
 
+TEST_F(ZaberFaults, AnEmergencyStopIsAStateOfItsOwn) {
+  const auto axis = Homed();
+  ASSERT_TRUE(axis->StartMove(2).ok());
+  clock_->SleepFor(Seconds(0.5));
+  stage_.PressEmergencyStop();
+  const auto still = axis->WaitUntilStill(Seconds(60), {});
+  ASSERT_FALSE(still.ok());
+  EXPECT_EQ(still.error().code, ErrorCode::kEmergencyStop);
+  EXPECT_EQ(still.error().message, "arm: an emergency stop is pressed");
+  EXPECT_EQ(axis->State().error().code, ErrorCode::kEmergencyStop);
+  EXPECT_EQ(axis->StartMove(1).error().code, ErrorCode::kEmergencyStop);
+  EXPECT_EQ(axis->Home({}).error().code, ErrorCode::kEmergencyStop);
+  stage_.ReleaseEmergencyStop();
+  EXPECT_EQ(axis->StartMove(1).error().code, ErrorCode::kRefused);  // is not homed
+  EXPECT_TRUE(axis->Home({}).ok());
+  EXPECT_TRUE(axis->StartMove(1).ok());
+}
+
 // Example failure is a driver that takes the next line for the answer.
 TEST(ZaberChain, DoesNotTakeALateReplyForTheNextOne) {
   int asked = 0;

@@ -196,11 +196,15 @@ TEST_F(Kill, WhenPagesAreDamaged) {
 
 // The newest of the write-ahead log: what was acknowledged is lost, which must be said.
 TEST_F(Kill, WhenTheLogsLastPageIsDamaged) {
-  EXPECT_EQ(RunUntilCall(Begin("d"), calls_ / 2, false).code, 128 + SIGKILL);
   const std::filesystem::path wal = work() / "d/session.sqlite-wal";
-  const WalTail tail = ReadWalTail(wal);
-  EXPECT_GT(tail.committed, 0);
-  EXPECT_EQ(tail.damaged, 0);
+  WalTail tail;
+  // Not where it is killed in the middle of a page: that may look like the damage to come.
+  for (long n = calls_ / 2; tail.committed == 0 || tail.damaged > 0; ++n) {
+    ASSERT_LE(n, calls_);
+    std::filesystem::remove_all(work() / "d");
+    EXPECT_EQ(RunUntilCall(Begin("d"), n, false).code, 128 + SIGKILL);
+    tail = ReadWalTail(wal);
+  }
   std::fstream file(wal, std::ios::in | std::ios::out | std::ios::binary);
   const std::streamoff frame = 4096 + 24;
   file.seekp(32 + (tail.committed - 1) * frame + 100);
@@ -210,7 +214,7 @@ TEST_F(Kill, WhenTheLogsLastPageIsDamaged) {
   EXPECT_LT(ReadWalTail(wal).committed, tail.committed);
   const Finished resumed = Gonio("run --quiet --resume d");
   EXPECT_EQ(resumed.code, 0) << resumed.err;
-  EXPECT_THAT(resumed.err, HasSubstr("write-ahead log are damaged"));
+  EXPECT_THAT(resumed.err, HasSubstr("of the write-ahead log"));
   ExpectAsWhole("d");
 }
 

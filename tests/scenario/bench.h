@@ -88,6 +88,19 @@ class WatchedCamera final : public Camera {
   const Clock& clock_;
 };
 
+// Another clock's time.
+class SameClock final : public Clock {
+ public:
+  explicit SameClock(Clock& clock) : clock_(clock) {}
+  Seconds Now() const override { return clock_.Now(); }
+  void SleepFor(Seconds duration, std::stop_token stop) override {
+    clock_.SleepFor(duration, std::move(stop));
+  }
+
+ private:
+  Clock& clock_;
+};
+
 // configs/sim-rig.yaml, opened.
 class Bench {
  public:
@@ -103,7 +116,7 @@ class Bench {
         .axes = rig.axes, .home_limit = rig.motion.home_limit, .camera = rig.camera};
     SimConfig truth = ReadSim(root);
     if (steady) truth.repeatability = truth.encoder_resolution = truth.light_drift_per_hour = 0;
-    SimDevices sim = MakeSimDevices(truth, setup, sample, clock, seed);
+    SimDevices sim = MakeSimDevices(truth, setup, sample, device_clock, seed);
     draw = sim.draw;
     motors = sim.motors;
     lamp = sim.lamp;
@@ -128,6 +141,7 @@ class Bench {
 
   const AnalyticBrdf sample{"grey", {Lambert{Rgb(0.2, 0.4, 0.6)}}};
   ManualClock clock;
+  WatchedClock device_clock{std::make_unique<SameClock>(clock)};  // what devices wait on
   RigConfig rig;
   SimMotors motors;
   std::shared_ptr<SimLamp> lamp;

@@ -66,12 +66,14 @@ class InterlockedBench : public Bench {
   SessionSummary RunWith(InterlocksConfig config, EventLog* log = nullptr,
                          const SessionStop& stop = {}) {
     Interlocks interlocks(std::move(config), devices, clock, dir.path());
+    interlocks.WatchWith(device_clock);
     ScriptedPlanner planner(FourPoses());
     planner.on_observe = on_observe;
     SessionParts parts{
         .rig = rig, .devices = devices, .clock = clock, .planner = planner, .log = log};
     parts.interlocks = &interlocks;
     parts.on_state = [&](SessionState state) {
+      if (state == SessionState::kSuspended && on_suspended) on_suspended();
       if (states.empty() || states.back() != state) states.push_back(state);
     };
     return RunSession(parts, {}, stop);
@@ -80,6 +82,7 @@ class InterlockedBench : public Bench {
   const TempDir dir;
   DimMonitor* lamp_monitor = nullptr;
   std::function<void(int)> on_observe;
+  std::function<void()> on_suspended;
   std::vector<SessionState> states;
 };
 
@@ -184,7 +187,7 @@ TEST(Interlocks, ADoorOpenedDuringAnExposureIsSeenAtItsEnd) {
 TEST(Interlocks, AStopSignalEndsTheSessionAtOnce) {
   InterlockedBench bench;
   InterlockSignal button = Door(bench.dir.File("button", "1\n"));
-  button.stop = true;
+  button.action = TripAction::kStop;
   bench.on_observe = [&](int n) {
     if (n == 2) std::filesystem::remove(button.file);  // what cannot be read is not met
   };
@@ -192,6 +195,81 @@ TEST(Interlocks, AStopSignalEndsTheSessionAtOnce) {
   EXPECT_EQ(summary.outcome, SessionOutcome::kDeviceFault);
   EXPECT_THAT(summary.reason, HasSubstr("door: cannot be read"));
   EXPECT_EQ(summary.poses.size(), 2u);
+}
+
+// Example failure is an arm that goes on to its target past an open door.
+TEST(Interlocks, ADoorOpenedDuringAMoveStopsTheArmsWhereTheyAre) {
+  InterlockedBench bench;
+  const std::filesystem::path file = bench.dir.File("door", "1\n");
+  InterlockSignal door = Door(file);
+  door.action = TripAction::kStop;
+  Interlocks interlocks({.signals = {door}}, bench.devices, bench.clock, bench.dir.path());
+  interlocks.WatchWith(bench.device_clock);
+  PoseMeasurer measurer(bench.rig, bench.devices, bench.clock);
+  ASSERT_TRUE(measurer.Prepare({}).ok());
+  std::stop_source source;
+  int trips = 0;
+  interlocks.SetOnTrip([&] {
+    ++trips;
+    source.request_stop();
+  });
+  const auto there = measurer.Measure(ToDirections(Degrees(60, 15)), {}, {});
+  ASSERT_TRUE(there.ok());
+  const Seconds begin = bench.clock.Now();
+  bench.dir.File("door", "0\n");
+  const auto gone = measurer.Measure(ToDirections(Degrees(5, 70)), {}, source.get_token());
+  ASSERT_FALSE(gone.ok());
+  EXPECT_EQ(gone.error().code, ErrorCode::kCancelled);
+  EXPECT_GT(trips, 0);
+  EXPECT_FALSE(bench.AnythingMoves());
+  // Half a second of braking; the move takes several.
+  EXPECT_LT(bench.clock.Now() - begin, Seconds(1));
+}
+
+TEST(Interlocks, ADoorOpenDuringAMoveSuspendsAndThePoseIsMeasuredAllTheSame) {
+  InterlockedBench bench;
+  const std::filesystem::path file = bench.dir.File("door", "1\n");
+  bench.on_observe = [&](int n) {
+    if (n == 2) bench.dir.File("door", "0\n");
+  };
+  InterlocksConfig config{.signals = {Door(file)}, .poll = Seconds(1)};
+  const TempDir logs;
+  SessionSummary summary;
+  {
+    EventLog log = EventLog::Create(logs / "s", SomeInfo());
+    bench.on_suspended = [&] { bench.dir.File("door", "1\n"); };
+    summary = bench.RunWith(config, &log);
+  }
+  EXPECT_EQ(summary.outcome, SessionOutcome::kComplete) << summary.reason;
+  EXPECT_EQ(summary.poses.size(), 4u);
+  EXPECT_THAT(KindsOf(ReadSession(logs / "s")), testing::Contains("suspended"));
+}
+
+TEST(Interlocks, AnEmergencyStopEndsInAStateOfItsOwn) {
+  InterlockedBench bench;
+  InterlockSignal button = Door(bench.dir.File("button", "1\n"));
+  button.action = TripAction::kEmergencyStop;
+  bench.on_observe = [&](int n) {
+    if (n == 2) bench.dir.File("button", "0\n");
+  };
+  const SessionSummary summary = bench.RunWith({.signals = {button}});
+  EXPECT_EQ(summary.outcome, SessionOutcome::kEmergencyStop);
+  EXPECT_THAT(summary.reason, HasSubstr("interlock door: is 0, must be >= 1"));
+  EXPECT_EQ(bench.states.back(), SessionState::kEmergencyStop);
+  EXPECT_EQ(bench.lamp->level(), 0);
+}
+
+// Example failure is an axis that is homed past an open door.
+TEST(Interlocks, NothingMovesBeforeTheDoorIsClosed) {
+  InterlockedBench bench;
+  const std::filesystem::path file = bench.dir.File("door", "0\n");
+  const double before = bench.motors[kLightAzimuth]->Position();
+  const SessionSummary summary =
+      bench.RunWith({.signals = {Door(file)}, .longest_wait = Seconds(600)});
+  EXPECT_EQ(summary.outcome, SessionOutcome::kDeviceFault);
+  EXPECT_THAT(summary.reason, HasSubstr("door: is 0"));
+  EXPECT_EQ(bench.motors[kLightAzimuth]->Position(), before);
+  EXPECT_GT(bench.clock.Now(), Seconds(599));
 }
 
 TEST(Interlocks, TheUserEndsASuspension) {
@@ -217,7 +295,7 @@ TEST(Interlocks, AreReadFromARigFile) {
   EXPECT_EQ(config.longest_wait, Seconds(300));
   ASSERT_EQ(config.signals.size(), 2u);
   EXPECT_EQ(config.signals[0].file, "/lab/door");
-  EXPECT_TRUE(config.signals[0].stop);
+  EXPECT_EQ(config.signals[0].action, TripAction::kStop);
   EXPECT_EQ(config.signals[1].hysteresis, 100);
   const auto complaint = [&](const std::string& signal) {
     return MessageOf<ConfigError>(

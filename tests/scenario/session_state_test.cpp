@@ -17,19 +17,27 @@ using enum SessionSignal;
 using testing::ElementsAre;
 
 // The table of docs/sessions.md: rows are states, columns kHomed, kStart, kPause, kPoseDone, kGoOn,
-// kTrip, kClear, kStop, kAbort, kFail, kCleanedUp. Empty: the signal means nothing there.
+// kTrip, kClear, kLost, kOpened, kCall, and then kStop, kAbort, kFail, kEmergency, kCleanedUp.
+// Empty: the signal means nothing there.
 TEST(SessionState, IsTheTableInTheDocumentation) {
-  const char* const table[std::size(kSessionStates)][std::size(kSessionSignals)] = {
-      /* unhomed   */ {"idle", "", "", "", "", "", "", "stopping", "stopping", "fault", ""},
-      /* idle      */ {"", "running", "", "", "", "", "", "stopping", "stopping", "fault", ""},
-      /* running   */
-      {"", "", "pausing", "running", "", "suspended", "", "stopping", "stopping", "fault", ""},
-      /* pausing   */ {"", "", "", "paused", "", "", "", "stopping", "stopping", "fault", ""},
-      /* paused    */ {"", "", "", "", "running", "", "", "stopping", "stopping", "fault", ""},
-      /* suspended */ {"", "", "", "", "", "", "running", "stopping", "stopping", "fault", ""},
-      /* stopping  */ {"", "", "", "", "", "", "", "", "", "fault", "ended"},
-      /* ended     */ {"", "", "", "", "", "", "", "", "", "", ""},
-      /* fault     */ {"", "", "", "", "", "", "", "", "", "fault", "fault"},
+  const std::string s = "stopping";
+  const std::string f = "fault";
+  const std::string e = "emergency stop";
+  const std::string r = "running";
+  const std::string d = "disconnected";
+  const std::string p = "suspended";
+  const std::string table[std::size(kSessionStates)][std::size(kSessionSignals)] = {
+      /* disconnected */ {"", "", "", "", "", p, "", d, r, "paused", s, s, f, e, ""},
+      /* unhomed      */ {"idle", "", "", "", "", "", "", "", "", "", s, s, f, e, ""},
+      /* idle         */ {"", r, "", "", "", "", "", "", "", "", s, s, f, e, ""},
+      /* running      */ {"", "", "pausing", r, "", p, "", d, "", "paused", s, s, f, e, ""},
+      /* pausing      */ {"", "", "", "paused", "", "", "", "", "", "", s, s, f, e, ""},
+      /* paused       */ {"", "", "", "", r, "", "", "", "", "", s, s, f, e, ""},
+      /* suspended    */ {"", "", "", "", "", "", r, "", "", "", s, s, f, e, ""},
+      /* stopping     */ {"", "", "", "", "", "", "", "", "", "", "", "", f, "", "ended"},
+      /* ended        */ {"", "", "", "", "", "", "", "", "", "", "", "", "", "", ""},
+      /* fault        */ {"", "", "", "", "", "", "", "", "", "", "", "", f, "", f},
+      /* emergency    */ {"", "", "", "", "", "", "", "", "", "", "", "", e, "", e},
   };
   for (std::size_t i = 0; i < std::size(kSessionStates); ++i) {
     for (std::size_t j = 0; j < std::size(kSessionSignals); ++j) {

@@ -116,9 +116,10 @@ TEST(Session, GivesUpAfterTooManyRejectionsInARow) {
   Bench bench;
   ScriptedPlanner planner({Degrees(5, 20), OutOfReach(), OutOfReach(), Degrees(30, 40),
                            OutOfReach(), OutOfReach(), OutOfReach(), Degrees(10, 60)});
-  const SessionSummary summary = bench.Run(planner, nullptr, {.max_rejections_in_a_row = 3});
+  bench.rig.failures.max_in_a_row = 3;
+  const SessionSummary summary = bench.Run(planner);
   EXPECT_EQ(summary.outcome, SessionOutcome::kDeviceFault);
-  EXPECT_THAT(summary.reason, HasSubstr("3 poses in a row were refused"));
+  EXPECT_THAT(summary.reason, HasSubstr("3 failures with no pose measured between"));
   EXPECT_EQ(summary.poses.size(), 2u);
   EXPECT_EQ(summary.rejected, 5);
 }
@@ -173,9 +174,9 @@ TEST(Session, EndsWithEveryArmAtRestWhenADeviceIsGone) {
   EXPECT_EQ(bench.lamp->level(), 0);
   const SessionRecord session = ReadSession(dir / "s");
   EXPECT_EQ(session.poses.size(), 2u);
-  EXPECT_THAT(KindsOf(session),
-              ElementsAre("session_start", "prepared", "pose_measured", "pose_reduced",
-                          "pose_measured", "pose_reduced", "error", "session_end"));
+  EXPECT_THAT(KindsOf(session), ElementsAre("session_start", "prepared", "pose_measured",
+                                            "pose_reduced", "pose_measured", "pose_reduced",
+                                            "error", "clean_up_failed", "session_end"));
   EXPECT_EQ(session.end->outcome, "device fault");
 }
 
@@ -242,9 +243,8 @@ TEST(Session, ReportsProgressAfterEveryPose) {
 TEST(SessionOptions, AreCheckedAndTheDefaultsPass) {
   SessionOptions options;
   options.Check();
-  options = {.max_rejections_in_a_row = 0};
-  EXPECT_THAT(MessageOf<ConfigError>([&] { options.Check(); }),
-              HasSubstr("max_rejections_in_a_row"));
+  options.max_reference_change = 0;
+  EXPECT_THAT(MessageOf<ConfigError>([&] { options.Check(); }), HasSubstr("max_reference_change"));
 }
 
 }  // namespace
