@@ -36,8 +36,7 @@ struct FailurePolicy {
 
 struct FailuresConfig {
   FailurePolicy pose{.retries = 0, .wait = Seconds(0), .then = FailureAction::kSkip};
-  FailurePolicy instrument{
-      .retries = 3, .wait = Seconds(10), .then = FailureAction::kStop};
+  FailurePolicy instrument{.retries = 3, .wait = Seconds(10), .then = FailureAction::kStop};
   // None by itself: homing sweeps whole ranges, and nobody knows where the arms stopped.
   FailurePolicy axis{.retries = 0, .wait = Seconds(10), .then = FailureAction::kStop};
   int max_in_a_row = 10;  // >= 1: so many failures with no pose measured between end the session

@@ -46,6 +46,23 @@ Result<double> FrameTaker::ReadMonitor() {
   return reading;
 }
 
+Result<void> FrameTaker::CheckSteady(Clock& clock) {
+  if (!rig_.max_light_change) return {};
+  auto before = ReadMonitor();
+  double squares = 0;
+  for (std::size_t n = 0; n < kSteadyReadings; ++n) {
+    if (before.ok()) clock.SleepFor(kBetweenReadings);
+    const auto now = before.ok() ? ReadMonitor() : before;
+    if (!now) return now.error();
+    const double change = (*now - *before) / *before;
+    squares += change * change;
+    before = now;
+  }
+  const double flicker = std::sqrt(squares / kSteadyReadings);
+  if (flicker <= *rig_.max_light_change) return {};
+  return Unsteady(fmt::format("flickers by {:.2g} % from reading to reading", 100 * flicker));
+}
+
 Result<Exposure> FrameTaker::Take(Seconds exposure, double monitor, std::stop_token stop) {
   double change = 0;
   for (int n = 0; n < kTries; ++n) {
@@ -59,14 +76,31 @@ Result<Exposure> FrameTaker::Take(Seconds exposure, double monitor, std::stop_to
     if (!after) return after.error();
     change = std::abs(*after - monitor) / monitor;
     taken.monitor = (monitor + *after) / 2;
+    changes_.push_back(change);
+    if (changes_.size() > kSteadyReadings) changes_.pop_front();
+    if (const double flicker = Flicker(); flicker > *rig_.max_light_change) {
+      changes_.clear();
+      return Unsteady(fmt::format("changed by {:.2g} % during each of the last {} exposures",
+                                  100 * flicker, kSteadyReadings));
+    }
     if (change <= *rig_.max_light_change) return taken;
     monitor = *after;
   }
-  return Error{
-      ErrorCode::kProtocol,
-      fmt::format("{}: changed by more than {:.2g} % (light.max_change) during {} "
-                  "exposures in a row, at last by {:.2g} %: the light is not steady",
-                  devices_.monitor->name(), 100 * *rig_.max_light_change, kTries, 100 * change)};
+  return Unsteady(fmt::format("changed by more during {} exposures in a row, at last by {:.2g} %",
+                              kTries, 100 * change));
+}
+
+double FrameTaker::Flicker() const {
+  if (changes_.size() < kSteadyReadings) return 0;
+  double squares = 0;
+  for (const double change : changes_) squares += change * change;
+  return std::sqrt(squares / kSteadyReadings);
+}
+
+Error FrameTaker::Unsteady(const std::string& how) const {
+  return {ErrorCode::kProtocol,
+          fmt::format("{}: the light is not steady within {:.2g} % (light.max_change): it {}",
+                      devices_.monitor->name(), 100 * *rig_.max_light_change, how)};
 }
 
 Result<Frame> FrameTaker::TakeDark(Seconds exposure, std::stop_token stop) {

@@ -35,6 +35,17 @@ bool AllSaturated(const std::vector<Exposure>& exposures) {
                      [](const Exposure& e) { return Saturated(e) == kChannels; });
 }
 
+// Where encoders read so: an axis that stands at the end of its range reads beyond it as often as
+// not, and must not be told to go there.
+ArmAngles WithinTargets(const RigConfig& rig, ArmAngles angles) {
+  for (int i = 0; i < kAxes; ++i) {
+    const AxisLimits limits = TargetLimits(rig.axes[i]);
+    const double inside = std::clamp(angles[i], limits.min_position, limits.max_position);
+    if (std::abs(angles[i] - inside) <= rig.axes[i].position_tolerance) angles[i] = inside;
+  }
+  return angles;
+}
+
 }  // namespace
 
 std::vector<ImageRegion> RegionsSeen(const RigConfig& rig, const Kinematics& kinematics,
@@ -59,12 +70,18 @@ Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
   if (!position) return position.error();
   position_ = *position;
   state_ = {.told = position_, .exposure = {}};
+  // The mark may be beyond what an axis may be told.
+  for (int i = 0; i < kAxes; ++i) {
+    const AxisLimits limits = TargetLimits(rig_.axes[i]);
+    state_.told[i] = std::clamp(position_[i], limits.min_position, limits.max_position);
+  }
   return {};
 }
 
 Result<void> PoseMeasurer::SwitchOn() {
   axes_failed_ = false;
-  return devices_.light->SetLevel(rig_.light_level);
+  if (auto lit = devices_.light->SetLevel(rig_.light_level); !lit) return lit;
+  return taker_.CheckSteady(clock_);
 }
 
 Result<PoseRecord> PoseMeasurer::Measure(const DirectionPair& pair,
@@ -113,15 +130,33 @@ Result<PoseRecord> PoseMeasurer::MeasureOrFail(const FindPath& find,
   }
   if (auto exposed = ExposeUntilUsable(expected, record, stop); !exposed) return exposed.error();
   if (auto repeated = RepeatSuited(frames, record, stop); !repeated) return repeated.error();
+  if (auto stood = CheckStood(record.readback); !stood) return stood.error();
   record.end = clock_.Now();
   return record;
+}
+
+// Whether the arms are still where they were when the first frame was taken: a motor without power
+// lets go, and a controller that was reset no longer knows.
+Result<void> PoseMeasurer::CheckStood(const ArmAngles& readback) {
+  axes_failed_ = true;
+  const auto now = ReadPositions(devices_);
+  if (!now) return now.error();
+  for (int i = 0; i < kAxes; ++i) {
+    const double moved = (*now)[i] - readback[i];
+    if (std::abs(moved) <= rig_.axes[i].position_tolerance) continue;
+    return Error{ErrorCode::kProtocol,
+                 fmt::format("{}: has moved by {:.4f} deg while frames were taken", kAxisNames[i],
+                             DegFromRad(moved))};
+  }
+  axes_failed_ = false;
+  return {};
 }
 
 Result<void> PoseMeasurer::Move(const FindPath& find, PoseRecord& record, std::stop_token stop) {
   axes_failed_ = true;
   const auto before = ReadPositions(devices_);
   if (!before) return before.error();
-  position_ = *before;
+  position_ = WithinTargets(rig_, *before);
   const auto path = find();
   if (!path) return path.error();
   record.commanded = path->back();

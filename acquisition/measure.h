@@ -87,6 +87,7 @@ class PoseMeasurer {
   Result<PoseRecord> MeasureOrFail(const FindPath& find, const std::optional<Rgb>& expected,
                                    std::stop_token stop, int frames);
   Result<void> Move(const FindPath& find, PoseRecord& record, std::stop_token stop);
+  Result<void> CheckStood(const ArmAngles& readback);
   Result<void> ExposeUntilUsable(const std::optional<Rgb>& expected, PoseRecord& record,
                                  std::stop_token stop);
   Result<void> RepeatSuited(int frames, PoseRecord& record, std::stop_token stop);

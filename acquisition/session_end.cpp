@@ -46,8 +46,7 @@ bool SessionLoop::EndWith(const Error& error) {
 
 void SessionLoop::Finish() {
   const bool clean = summary_.outcome == SessionOutcome::kComplete ||
-                     (summary_.outcome == SessionOutcome::kStopped &&
-                      !stop_.now.stop_requested());
+                     (summary_.outcome == SessionOutcome::kStopped && !stop_.now.stop_requested());
   if (clean && options_.park) Park();
   const std::string failure = CleanUp();
   if (!failure.empty()) {
@@ -69,8 +68,8 @@ void SessionLoop::Finish() {
   }
   Enter(SessionSignal::kCleanedUp);
   if (parts_.on_event) {
-    parts_.on_event({"session_end", fmt::format("{}: {}", ToString(summary_.outcome),
-                                                summary_.reason)});
+    parts_.on_event(
+        {"session_end", fmt::format("{}: {}", ToString(summary_.outcome), summary_.reason)});
   }
 }
 

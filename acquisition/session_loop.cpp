@@ -84,7 +84,8 @@ SessionSummary SessionLoop::Run() {
 
 void SessionLoop::Enter(SessionSignal signal) {
   const std::optional<SessionState> next = After(state_, signal);
-  GONIO_CHECK(next.has_value(), "a signal that means nothing in this state");
+  GONIO_CHECK(next.has_value(), fmt::format("signal {} means nothing to a session that is {}",
+                                            static_cast<int>(signal), ToString(state_)));
   state_ = *next;
   if (parts_.on_state) parts_.on_state(state_);
 }
@@ -134,15 +135,20 @@ bool SessionLoop::Prepare() {
   return true;
 }
 
-// One turn of the loop.
-bool SessionLoop::Step() {
-  if (stop_.pause && stop_.pause() && !Pause()) return false;
+bool SessionLoop::StillWanted() {
   if (stop_.now.stop_requested()) {
     return EndWith({ErrorCode::kCancelled, "stopped between poses"});
   }
   if (stop_.after_pose.stop_requested()) {
     return End(SessionOutcome::kStopped, "stopped by the user");
   }
+  return true;
+}
+
+// One turn of the loop.
+bool SessionLoop::Step() {
+  if (!StillWanted()) return false;
+  if (stop_.pause && stop_.pause() && !(Pause() && StillWanted())) return false;
   if (const auto trip = CheckInterlocks()) return Suspend(*trip, measurer_.state());
   if (references_.Due(pose_count(), parts_.clock.Now())) {
     if (!VisitReference()) return false;

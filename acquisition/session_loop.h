@@ -26,6 +26,7 @@ class SessionLoop {
  private:
   // session_loop.cpp: turn by turn.
   bool Prepare();
+  bool StillWanted();  // by the user
   bool Step();
   bool Take(const Proposal& proposal, const PoseRecord& record);
   bool Reject(const Proposal& proposal, const Error& error);

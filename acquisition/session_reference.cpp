@@ -48,8 +48,8 @@ bool SessionLoop::GoBack() {
 Result<ReferenceNote> SessionLoop::ReadReference(const SessionSoFar::Reference& reference) {
   Draw(kReferenceDraws + turn_);
   const SessionAbort abort(stop_.now, parts_.interlocks);
-  const auto record = measurer_.MeasureAt(reference.arms, reference.before.f_r, abort.token(),
-                                          reference.frames);
+  const auto record =
+      measurer_.MeasureAt(reference.arms, reference.before.f_r, abort.token(), reference.frames);
   if (!record) return record.error();
   auto reduced = Reduce(*record, parts_.rig, calibrations_);
   if (!reduced) return reduced.error();

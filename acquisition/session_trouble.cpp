@@ -64,8 +64,7 @@ bool SessionLoop::WaitForSurroundings() {
 }
 
 // The planner hears nothing of the pose, and so proposes it again.
-bool SessionLoop::Discard(const Proposal& proposal, const Trip& trip,
-                          const MeasurerState& before) {
+bool SessionLoop::Discard(const Proposal& proposal, const Trip& trip, const MeasurerState& before) {
   return Note("pose_discarded", TextOf(proposal) + ": " + trip.message) && Suspend(trip, before);
 }
 
@@ -145,8 +144,8 @@ bool SessionLoop::Recover(FailureClass failure, const MeasurerState& before) {
              (!*reference || Accept(**reference));
     }
     const Error& error = reference.error();
-    const auto trip = parts_.interlocks == nullptr ? std::nullopt
-                                                   : parts_.interlocks->CheckSurroundings();
+    const auto trip =
+        parts_.interlocks == nullptr ? std::nullopt : parts_.interlocks->CheckSurroundings();
     if (trip && !stop_.now.stop_requested()) {
       if (!AwaitClear(*trip)) return false;
       continue;
@@ -170,8 +169,8 @@ Result<std::optional<ReferenceNote>> SessionLoop::TryToRecover(FailureClass fail
   if (parts_.reopen) {
     if (auto opened = parts_.reopen(failure); !opened) return opened.error();
   }
-  const auto ready = failure == FailureClass::kAxis ? measurer_.Prepare(abort.token())
-                                                    : measurer_.SwitchOn();
+  const auto ready =
+      failure == FailureClass::kAxis ? measurer_.Prepare(abort.token()) : measurer_.SwitchOn();
   if (!ready) return ready.error();
   std::optional<ReferenceNote> reference;
   if (last_) {

@@ -68,9 +68,12 @@ AptStage AptFor(const AxisDevice& device, const AxisLimits& limits) {
 template <typename Emulator, typename Settings>
 void WireBench::AddEmulator(const AxisDevice& device, const Settings& settings) {
   auto emulator = std::make_shared<Emulator>(settings, clock_);
-  axes_.push_back({device.port.port, [emulator, device] {
-                     return device.zero + (device.turned ? -1 : 1) * emulator->Shaft();
-                   }});
+  axes_.push_back(
+      {.port = device.port.port,
+       .angle = [emulator,
+                 device] { return device.zero + (device.turned ? -1 : 1) * emulator->Shaft(); },
+       .reset = [emulator] { emulator->Reset(); },
+       .cut_power = [emulator] { emulator->CutMotorPower(); }});
   controllers_[device.port.port].push_back(
       [emulator](std::string_view bytes) { return emulator->Receive(bytes); });
 }
@@ -117,26 +120,37 @@ void WireBench::AddGrbl(const AxisDevice& device, const AxisLimits& limits) {
   settings[110 + index] = 120 * DegFromRad(limits.max_speed);  // deg/min
   settings[120 + index] = DegFromRad(limits.acceleration);
   settings[130 + index] = -SpanOf(device, limits).least;
-  axes_.push_back({device.port.port, [board, device, index] {
-                     return device.zero + (device.turned ? -1 : 1) * board->emulator->Shaft(index);
-                   }});
+  axes_.push_back({.port = device.port.port,
+                   .angle =
+                       [board, device, index] {
+                         return device.zero +
+                                (device.turned ? -1 : 1) * board->emulator->Shaft(index);
+                       },
+                   .reset = [board] { board->emulator->Reset(); },
+                   .cut_power = [board] { board->emulator->CutMotorPower(); }});
 }
 
 // Everybody on a line hears everything, and those who are meant answer.
 void WireBench::Serve() {
   for (const auto& [port, board] : boards_) {
     board->emulator = std::make_shared<GrblEmulator>(board->settings, clock_);
-    lines_[port] = std::make_unique<PtyServer>(
+    lines_[port] = Line(port);
+  }
+  for (const auto& [port, controllers] : controllers_) lines_[port] = Line(port);
+}
+
+std::unique_ptr<PtyServer> WireBench::Line(const std::string& port) {
+  if (const auto found = boards_.find(port); found != boards_.end()) {
+    const std::shared_ptr<Board>& board = found->second;
+    return std::make_unique<PtyServer>(
         [board](std::string_view bytes) { return board->emulator->Receive(bytes); },
         [board] { return board->emulator->Unasked(); });
   }
-  for (const auto& [port, controllers] : controllers_) {
-    lines_[port] = std::make_unique<PtyServer>([controllers](std::string_view bytes) {
-      std::string answers;
-      for (const Receive& receive : controllers) answers += receive(bytes);
-      return answers;
-    });
-  }
+  return std::make_unique<PtyServer>([controllers = controllers_.at(port)](std::string_view bytes) {
+    std::string answers;
+    for (const Receive& receive : controllers) answers += receive(bytes);
+    return answers;
+  });
 }
 
 const std::string& WireBench::PathOf(std::size_t axis) const {

@@ -33,6 +33,12 @@ class WireBench {
   const std::string& PathOf(std::size_t axis) const;
   double Angle(std::size_t axis) const { return axes_[axis].angle(); }
 
+  // Faults of its controller: power fails and comes back; the motor's power is cut. Any thread.
+  void Reset(std::size_t axis) { axes_[axis].reset(); }
+  void CutMotorPower(std::size_t axis) { axes_[axis].cut_power(); }
+  // Plugs a line that hung up in again, at another path.
+  void Replug(const std::string& port) { lines_.at(port) = Line(port); }
+
   // By port as the rig file names it.
   const std::map<std::string, std::unique_ptr<PtyServer>>& lines() const { return lines_; }
 
@@ -41,6 +47,8 @@ class WireBench {
   struct Stage {
     std::string port;
     std::function<double()> angle;
+    std::function<void()> reset;
+    std::function<void()> cut_power;
   };
 
   // The axes of one board are added one by one, and then it is made.
@@ -49,6 +57,7 @@ class WireBench {
     std::shared_ptr<GrblEmulator> emulator;
   };
 
+  std::unique_ptr<PtyServer> Line(const std::string& port);
   void AddGrbl(const AxisDevice& device, const AxisLimits& limits);
   template <typename Emulator, typename Settings>
   void AddEmulator(const AxisDevice& device, const Settings& settings);

@@ -50,8 +50,7 @@ int Spawn(const std::string& command, int input, pid_t* process) {
   std::string option = "-c";
   std::string text = command;
   char* const arguments[] = {shell.data(), option.data(), text.data(), nullptr};
-  const int error =
-      ::posix_spawn(process, "/bin/sh", &files, &attributes, arguments, ::environ);
+  const int error = ::posix_spawn(process, "/bin/sh", &files, &attributes, arguments, ::environ);
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&files);
   return error;

@@ -13,9 +13,9 @@
 
 namespace gonio {
 
-// Runs a command of the user's shell for each notice, with the notice as JSON on its standard input:
-// `kind`, `message`, `session`, `utc`. A session does not wait for it, nor does it fail if the
-// command does; that is said on standard error, once. One thread.
+// Runs a command of the user's shell for each notice, with the notice as JSON on its standard
+// input: `kind`, `message`, `session`, `utc`. A session does not wait for it, nor does it fail if
+// the command does; that is said on standard error, once. One thread.
 class Notifier {
  public:
   // Empty: nothing is run.

@@ -72,10 +72,10 @@ TEST_F(FrameTakerTest, GivesUpOnALightThatIsNeverSteady) {
   const auto taken = Take(1);
   ASSERT_FALSE(taken.ok());
   EXPECT_EQ(taken.error().code, ErrorCode::kProtocol);
-  EXPECT_THAT(
-      taken.error().message,
-      HasSubstr("monitor: changed by more than 2 % (light.max_change) during 3 exposures in "
-                "a row, at last by 10 %"));
+  EXPECT_THAT(taken.error().message,
+              HasSubstr("monitor: the light is not steady within 2 % (light.max_change): it "
+                        "changed by more during 3 exposures in "
+                        "a row, at last by 10 %"));
 }
 
 TEST_F(FrameTakerTest, SeesTheLightGoOutDuringAnExposure) {

@@ -141,8 +141,7 @@ TEST(Failures, AFailureThatComesAgainDuringRecoveryCountsAsWell) {
   FailingBench bench;
   bench.rig.failures.axis.retries = 3;
   int homings = 0;
-  bench.script = [&](const std::string& device,
-                     const std::string& call) -> std::optional<Error> {
+  bench.script = [&](const std::string& device, const std::string& call) -> std::optional<Error> {
     if (device == "light_azimuth" && call == "Home" && ++homings > 1) {
       return Error{ErrorCode::kTimeout, "planted"};
     }
@@ -161,8 +160,7 @@ TEST(Failures, ASkippedPoseIsToldToThePlanner) {
   FailingBench bench;
   bench.rig.failures.instrument = {.retries = 1, .wait = Seconds(1), .then = FailureAction::kSkip};
   // The second pose, both times; the reference between them goes well.
-  bench.script = [&](const std::string& device,
-                     const std::string& call) -> std::optional<Error> {
+  bench.script = [&](const std::string& device, const std::string& call) -> std::optional<Error> {
     const bool second = bench.planner.observed.size() == 1 && bench.planner.rejected.empty();
     if (device != "camera" || call != "Capture" || !second) return std::nullopt;
     const bool reference = bench.states.back() == SessionState::kDisconnected;
@@ -186,10 +184,7 @@ TEST(Failures, APersonIsCalledAndGoesOn) {
   again.rig.failures.instrument = bench.rig.failures.instrument;
   again.FailCall("camera", "Capture", 3, ErrorCode::kProtocol);
   int called = 0;
-  const SessionStop stop{.after_pose = {},
-                         .now = {},
-                         .pause = {},
-                         .wait = [&] {
+  const SessionStop stop{.after_pose = {}, .now = {}, .pause = {}, .wait = [&] {
                            ++called;
                            EXPECT_EQ(again.states.back(), SessionState::kPaused);
                            EXPECT_FALSE(again.AnythingMoves());
@@ -206,17 +201,18 @@ TEST(Failures, APersonEndsIt) {
   bench.rig.failures.pose.then = FailureAction::kPause;
   bench.planner = ScriptedPlanner({Degrees(5, 20), OutOfReach(), Degrees(30, 40)});
   std::stop_source user;
-  const SessionSummary summary = bench.RunWith({.after_pose = user.get_token(),
-                                                .now = {},
-                                                .pause = {},
-                                                .wait = [&] { user.request_stop(); }});
+  const SessionSummary summary =
+      bench.RunWith({.after_pose = user.get_token(), .now = {}, .pause = {}, .wait = [&] {
+                       user.request_stop();
+                     }});
   EXPECT_EQ(summary.outcome, SessionOutcome::kStopped);
   EXPECT_EQ(summary.poses.size(), 1u);
 }
 
 TEST(Failures, TooManyInARowEndIt) {
   FailingBench bench;
-  bench.rig.failures.instrument = {.retries = 100, .wait = Seconds(1), .then = FailureAction::kStop};
+  bench.rig.failures.instrument = {
+      .retries = 100, .wait = Seconds(1), .then = FailureAction::kStop};
   bench.rig.failures.max_in_a_row = 5;
   bench.FailCall("camera", "Capture", 3, ErrorCode::kTimeout, 1000);
   const SessionSummary summary = bench.RunWith();
