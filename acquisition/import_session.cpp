@@ -29,6 +29,7 @@ std::map<std::string, std::string> Source(const ImportedFile& file, const Sessio
       {"channels", file.channels},
       {"raw_frames", "none"},
   };
+  if (!file.bands_nm.empty()) source["bands_nm"] = file.bands_nm;
   if (!file.title.empty()) source["title"] = file.title;
   if (!file.started.empty()) source["started"] = file.started;
   return source;

@@ -21,6 +21,7 @@ struct ImportedFile {
   std::string format;                   // "csv", "rt300s", "cornell"
   std::string quantity;                 // how f_r came out of the file's values, in words
   std::string channels;                 // which of the file's values the three channels are
+  std::string bands_nm;                 // how they were asked for, of cornell; empty: as a rule
   std::string title;                    // of the sample, if the file tells
   std::string started;                  // by the instrument's clock, if the file tells
   std::vector<MeasuredSample> samples;  // not empty

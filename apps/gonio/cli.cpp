@@ -241,6 +241,7 @@ Action SetUpReplay(CLI::App& app) {
   app.add_option("--plan", o->plan,
                  "What this plan would have chosen: where the session has no reading, its estimate "
                  "stands in");
+  app.add_option("--rig", o->rig, "Rig file for --plan where the session was imported");
   app.add_option("--out", o->out, "Folder to make for samples, fit and choices");
   app.add_option("--speed", o->speed, "Show the turns, so many times as fast as they were")
       ->check(CLI::PositiveNumber);

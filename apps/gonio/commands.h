@@ -60,6 +60,7 @@ struct ReplayOptions {
   std::filesystem::path calibration;  // with these files instead of the session's
   bool refit = false;
   std::string plan;           // another plan, to see what it would have chosen
+  std::string rig;            // it would have been on, of an imported session; empty: the session's
   std::filesystem::path out;  // folder for samples and fit; empty: none
   double speed = 0;           // > 0: shows the turns so many times as fast as they were
   std::string json;           // file, or "-" for standard output; empty: text only

@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <utility>
 
-#include "acquisition/import_session.h"
 #include "apps/gonio/commands.h"
 #include "apps/gonio/open_any.h"
 #include "brdf/cornell_brdf.h"
@@ -93,25 +92,6 @@ void ReadCornell(const std::string& name, const std::string& bands_text, Importe
   }
 }
 
-ImportedFile ReadFile(const ImportOptions& options) {
-  ImportedFile file;
-  file.path = options.file;
-  file.bytes = ReadTextFile(options.file);
-  file.format = FormatOf(options, file.bytes);
-  if (file.format != "cornell" && !options.bands_nm.empty()) {
-    throw ConfigError("--bands-nm: only a cornell file has wavelengths to choose from");
-  }
-  const std::string name = options.file.string();
-  if (file.format == "rt300s") {
-    ReadRt300s(name, &file);
-  } else if (file.format == "cornell") {
-    ReadCornell(name, options.bands_nm, &file);
-  } else {
-    ReadCsv(name, &file);
-  }
-  return file;
-}
-
 SessionInfo Describe(const ImportOptions& options, const ImportedFile& file) {
   Plan plan = ParsePlan(kPlanText, "the plan of imported sessions");
   plan.Believe(OpenPrior(options.prior, plan.prior.shape));
@@ -143,12 +123,32 @@ void Print(const ImportedFile& file, int shadowed) {
 
 }  // namespace
 
+ImportedFile ReadForImport(const ImportOptions& options) {
+  ImportedFile file;
+  file.path = options.file;
+  file.bytes = ReadTextFile(options.file);
+  file.format = FormatOf(options, file.bytes);
+  if (file.format != "cornell" && !options.bands_nm.empty()) {
+    throw ConfigError("--bands-nm: only a cornell file has wavelengths to choose from");
+  }
+  const std::string name = options.file.string();
+  if (file.format == "rt300s") {
+    ReadRt300s(name, &file);
+  } else if (file.format == "cornell") {
+    ReadCornell(name, options.bands_nm, &file);
+    file.bands_nm = options.bands_nm;
+  } else {
+    ReadCsv(name, &file);
+  }
+  return file;
+}
+
 int ImportCommand(const ImportOptions& options) {
   if (fs::exists(fs::symlink_status(options.out))) {
     throw ConfigError(options.out.string() +
                       ": exists already; a session never reuses a directory, name another");
   }
-  ImportedFile file = ReadFile(options);
+  ImportedFile file = ReadForImport(options);
   const double separation_deg =
       options.min_separation_deg.value_or(file.format == "rt300s" ? kRt300sSeparationDeg : 0);
   const int shadowed = MarkShadowed(RadFromDeg(separation_deg), &file.samples);

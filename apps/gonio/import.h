@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "acquisition/import_session.h"
+
 namespace gonio {
 
 struct ImportOptions {
@@ -18,5 +20,8 @@ struct ImportOptions {
   std::optional<double> min_separation_deg;  // empty: the format's own
 };
 int ImportCommand(const ImportOptions& options);
+
+// What such an import reads. Throws ConfigError.
+ImportedFile ReadForImport(const ImportOptions& options);
 
 }  // namespace gonio

@@ -16,6 +16,8 @@
 #include "apps/gonio/json_file.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/progress.h"
+#include "apps/gonio/replay_fit.h"
+#include "apps/gonio/replay_imported.h"
 #include "apps/gonio/replay_other_plan.h"
 #include "apps/gonio/session_setup.h"
 #include "apps/gonio/summary.h"
@@ -47,24 +49,25 @@ Stage StageOf(const SessionInfo& info, const fs::path& calibration, const fs::pa
 class Replay {
  public:
   explicit Replay(const ReplayOptions& options)
-      : options_(options), record_(ReadSession(options.session)), history_(HistoryOf(record_)) {
-    if (!record_.info.imported.empty()) {
-      throw ConfigError(options.session.string() +
-                        ": was imported: no decision of it is ours; gonio fit and gonio report "
-                        "work on its samples");
-    }
-    if (options.out.empty()) return;
-    if (!fs::create_directory(options.out)) {
-      throw ConfigError(options.out.string() + ": exists already; name another");
-    }
-  }
+      : options_(options), record_(ReadSession(options.session)), history_(HistoryOf(record_)) {}
 
   int Run() {
+    if (!options_.out.empty() && !fs::create_directory(options_.out)) {
+      throw ConfigError(options_.out.string() + ": exists already; name another");
+    }
+    if (!record_.info.imported.empty()) return ReplayImported(options_, record_);
+    if (!options_.rig.empty()) {
+      throw ConfigError("--rig: the session has a rig of its own; only imported ones need another");
+    }
     const bool whole = Whole();
     const int code = whole ? Decisions() : (Decisions(), kFailed);
     std::vector<MeasuredPose> poses = record_.poses;
     if (options_.rereduce || !options_.calibration.empty()) Rereduce(&poses);
-    if (options_.refit) Refit(poses);
+    if (options_.refit) {
+      const Stage stage = StageOf(history_.parts.back().info, {}, options_.session);
+      json_["refit"] = Refit(poses, stage.setup.plan.prior, stage.setup.plan.fit, options_.session,
+                             options_.out);
+    }
     if (!options_.plan.empty()) OtherPlan(poses);
     if (!options_.out.empty()) fmt::print("wrote            {}\n", options_.out.string());
     if (!options_.json.empty()) WriteJson(options_.json, json_);
@@ -184,20 +187,6 @@ class Replay {
       }
     }
     WriteSamplesCsv(options_.out / "samples.csv", rows, {"reduced again by gonio replay"});
-  }
-
-  void Refit(const std::vector<MeasuredPose>& poses) {
-    const Stage stage = StageOf(history_.parts.back().info, {}, options_.session);
-    const Plan& plan = stage.setup.plan;
-    std::vector<BrdfSample> samples;
-    for (const MeasuredPose& pose : poses) {
-      samples.insert(samples.end(), pose.samples.begin(), pose.samples.end());
-    }
-    const DsbrdfFit fit = FitDsbrdf(samples, plan.prior, plan.fit);
-    PrintFit(fit, plan.prior);
-    const double male = PrintMale(FitOfSession(options_.session), fit, "the session's fit");
-    json_["refit"] = {{"male_against_session", male}};
-    if (!options_.out.empty()) WriteFit(options_.out / kFitFile, fit);
   }
 
   void OtherPlan(const std::vector<MeasuredPose>& poses) {

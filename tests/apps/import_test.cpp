@@ -18,6 +18,7 @@
 namespace gonio {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -115,6 +116,24 @@ TEST_F(Import, IsASessionToEveryOtherCommand) {
   const std::vector<BrdfSample> b = ReadSession(work() / "again").Samples();
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_TRUE((a[i].f_r == b[i].f_r).all());
+}
+
+TEST_F(Import, IsReplayedFromTheFileItKeeps) {
+  WriteRt300s();
+  Expect("import scan.csv --out s");
+  EXPECT_THAT(Expect("replay s --refit").out,
+              AllOf(HasSubstr("none of ours: imported from scan.csv"),
+                    HasSubstr("read again       204 samples, 204 as they were to the last bit"),
+                    HasSubstr("MALE")));
+  ExpectRefused(Gonio("replay s --rereduce"), 2, {"it has no raw frames"});
+  ExpectRefused(Gonio("replay s --plan plan-grid.yaml"), 2, {"--rig names one to measure it on"});
+  const std::string other = Expect("replay s --plan plan-random.yaml --rig sim-rig.yaml").out;
+  EXPECT_THAT(other, AllOf(HasSubstr("plan random"), HasSubstr("read what the session read")));
+  // Somebody has had their hands on it.
+  File("s/imported/scan.csv", ReadTextFile(work() / "s/imported/scan.csv") + "# \n");
+  const Finished changed = Gonio("replay s");
+  EXPECT_EQ(changed.code, 1);
+  EXPECT_THAT(changed.out, HasSubstr("is not the file that was imported"));
 }
 
 TEST_F(Import, TakesRowsOfOnePoseForItsParts) {

@@ -79,8 +79,8 @@ const T& Pick(Random& random, const std::vector<T>& from) {
 FailurePolicy DrawPolicy(Random& random, int most_retries) {
   return {.retries = static_cast<int>(random.Uniform() * (most_retries + 1)),
           .wait = Seconds(5 * random.Uniform()),
-          .then = Pick<FailureAction>(random, {FailureAction::kSkip, FailureAction::kPause,
-                                               FailureAction::kStop})};
+          .then = Pick<FailureAction>(
+              random, {FailureAction::kSkip, FailureAction::kPause, FailureAction::kStop})};
 }
 
 Script Draw(std::uint64_t seed) {
@@ -89,7 +89,8 @@ Script Draw(std::uint64_t seed) {
   const auto chance = [&](double p) { return random.Uniform() < p; };
   const auto some_time = [&] { return Seconds(50 + 130 * random.Uniform()); };
   s.solid = chance(0.5);
-  s.plan = Pick<std::string>(random, {"plan-information.yaml", "plan-random.yaml", "plan-grid.yaml"});
+  s.plan =
+      Pick<std::string>(random, {"plan-information.yaml", "plan-random.yaml", "plan-grid.yaml"});
   s.material = Pick<std::string>(random, {"satin-paint", "retro-cloth", "glossy-plastic", "ptfe"});
   s.failures.pose = DrawPolicy(random, 1);
   if (chance(0.8)) s.failures.pose.then = FailureAction::kSkip;
@@ -103,8 +104,8 @@ Script Draw(std::uint64_t seed) {
   if (chance(0.15)) s.stop_now = some_time();
   if (chance(0.15)) s.pause = some_time();
   if (chance(0.3)) {
-    s.door = Pick<TripAction>(random, {TripAction::kSuspend, TripAction::kSuspend, TripAction::kStop,
-                                       TripAction::kEmergencyStop});
+    s.door = Pick<TripAction>(random, {TripAction::kSuspend, TripAction::kSuspend,
+                                       TripAction::kStop, TripAction::kEmergencyStop});
     s.door_opens = chance(0.1) ? Seconds(0) : some_time();
     s.door_closes = s.door_opens + Seconds(60 * random.Uniform());
   }
@@ -148,9 +149,8 @@ class Shift {
                 .light = std::move(sim.light),
                 .monitor = std::move(sim.monitor)};
     watch_ = std::make_unique<CollisionWatch>(rig_);
-    faulty_ = std::make_unique<FaultyRig>(devices_, [this](const auto& device, const auto& call) {
-      return Fault(device, call);
-    });
+    faulty_ = std::make_unique<FaultyRig>(
+        devices_, [this](const auto& device, const auto& call) { return Fault(device, call); });
   }
 
   ~Shift() { devices_ = {}; }  // before their clock

@@ -17,10 +17,10 @@ struct CampaignResult {
   bool resumed = false;  // it was not complete, and went on in another process until it was
   std::map<std::string, int> events;  // kinds in the log
   int poses = 0;
-  long calls = 0;   // of devices
-  int faults = 0;   // calls that were made to fail
-  int starts = 0;   // of moves and homings
-  long looks = 0;   // at the arms' true places while they could move
+  long calls = 0;                       // of devices
+  int faults = 0;                       // calls that were made to fail
+  int starts = 0;                       // of moves and homings
+  long looks = 0;                       // at the arms' true places while they could move
   std::vector<std::string> violations;  // what may never be, one line each
 };
 

@@ -48,10 +48,8 @@ std::vector<CollisionWatch::Ball> CollisionWatch::BallsOf(const std::vector<Soli
 }
 
 std::optional<std::string> CollisionWatch::FindAt(const ArmAngles& angles, double gap) const {
-  const auto light =
-      BallsOf(config_.light_arm, angles[kLightAzimuth], angles[kLightElevation]);
-  const auto camera =
-      BallsOf(config_.camera_arm, angles[kCameraAzimuth], angles[kCameraElevation]);
+  const auto light = BallsOf(config_.light_arm, angles[kLightAzimuth], angles[kLightElevation]);
+  const auto camera = BallsOf(config_.camera_arm, angles[kCameraAzimuth], angles[kCameraElevation]);
   for (const Ball& a : light) {
     for (const Ball& b : camera) {
       if ((a.at - b.at).norm() - a.radius - b.radius < gap) return "light arm and camera arm";

@@ -42,9 +42,10 @@ struct Totals {
   void Print() const {
     for (const auto& [outcome, count] : outcomes) fmt::print("{:20} {}\n", outcome, count);
     fmt::print("{:20} {}\n{:20} {}\n", "resumed", resumed, "without a fault", untouched);
-    fmt::print("{} poses, {} calls of devices, {} of them failed, {} moves and homings, the arms' "
-               "true places looked at {} times\n",
-               poses, calls, faults, starts, looks);
+    fmt::print(
+        "{} poses, {} calls of devices, {} of them failed, {} moves and homings, the arms' "
+        "true places looked at {} times\n",
+        poses, calls, faults, starts, looks);
     for (const auto& [kind, count] : events) fmt::print("  {:20} {}\n", kind, count);
   }
 };
@@ -56,7 +57,8 @@ TEST(FaultCampaign, NothingThatMayNeverHappenDoes) {
   for (std::uint64_t seed = first; seed < first + sessions; ++seed) {
     const CampaignResult result = RunCampaignSession(seed);
     totals.Add(result);
-    for (const std::string& what : result.violations) ADD_FAILURE() << "seed " << seed << ": " << what;
+    for (const std::string& what : result.violations)
+      ADD_FAILURE() << "seed " << seed << ": " << what;
   }
   totals.Print();
   // Else nothing was tried.
@@ -68,8 +70,8 @@ TEST(FaultCampaign, NothingThatMayNeverHappenDoes) {
 
 // The watch itself: it sees what it is there for.
 TEST(CollisionWatch, SeesArmsThatTouchAndATable) {
-  const RigConfig rig = ReadRig(
-      ConfigNode::Load(std::string(GONIO_SOURCE_DIR) + "/configs/rig-solid-arms.yaml"), "");
+  const RigConfig rig =
+      ReadRig(ConfigNode::Load(std::string(GONIO_SOURCE_DIR) + "/configs/rig-solid-arms.yaml"), "");
   const CollisionWatch watch(rig);
   EXPECT_FALSE(watch.FindAt({0, 0.8, 2, 0.8}, 0.004));
   EXPECT_EQ(watch.FindAt({0, 0.8, 0.05, 0.8}, 0.004), "light arm and camera arm");

@@ -48,8 +48,7 @@ struct Tally {
 class WireTrouble {
  public:
   WireTrouble(std::uint64_t seed, Tally* tally) : random_(seed, 3), tally_(*tally) {
-    bench_.rig.failures.axis = {
-        .retries = 6, .wait = Seconds(1), .then = FailureAction::kStop};
+    bench_.rig.failures.axis = {.retries = 6, .wait = Seconds(1), .then = FailureAction::kStop};
     bench_.rig.failures.max_in_a_row = 20;
   }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// A rig whose arms are controllers at the ends of serial lines, through the real drivers and the real
-// serial library, in simulated time.
+// A rig whose arms are controllers at the ends of serial lines, through the real drivers and the
+// real serial library, in simulated time.
 
 #pragma once
 
