@@ -63,6 +63,8 @@ class SessionLoop {
   // session_reference.cpp: the last pose, measured again.
   bool GoBack();
   Result<ReferenceNote> ReadReference(const SessionSoFar::Reference& reference);
+  // Arms and exposure as they were; kRefused is kProtocol for both.
+  Result<void> PutBack(const MeasurerState& before);
   bool Accept(const ReferenceNote& note);
 
   // session_end.cpp: how it ends.
@@ -102,6 +104,7 @@ class SessionLoop {
 };
 
 // Stops what is going on when the user says so, or an interlock that is watched while axes move.
+// One at a time.
 class SessionAbort {
  public:
   SessionAbort(const std::stop_token& user, Interlocks* interlocks);

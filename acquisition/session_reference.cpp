@@ -29,6 +29,13 @@ ReferenceNote Compared(int pose, const BrdfSample& before, const BrdfSample& now
   return note;
 }
 
+// What was possible before and is refused now is no matter of this pose.
+template <typename T>
+Result<T> NotRefused(Result<T> result, const std::string& what) {
+  if (result.ok() || result.error().code != ErrorCode::kRefused) return result;
+  return Error{ErrorCode::kProtocol, what + ": " + result.error().message};
+}
+
 }  // namespace
 
 // After a resume: measures the last pose again, compares, and puts everything as it was then.
@@ -40,16 +47,21 @@ bool SessionLoop::GoBack() {
     if (!Accept(*note)) return false;
   }
   if (!parts_.so_far->measurer) return true;
-  const SessionAbort abort(stop_.now, parts_.interlocks);
-  const auto restored = measurer_.Restore(*parts_.so_far->measurer, abort.token());
+  const auto restored = PutBack(*parts_.so_far->measurer);
   return restored.ok() || EndWith(restored.error());
+}
+
+Result<void> SessionLoop::PutBack(const MeasurerState& before) {
+  const SessionAbort abort(stop_.now, parts_.interlocks);
+  return NotRefused(measurer_.Restore(before, abort.token()), "back to where the arms were");
 }
 
 Result<ReferenceNote> SessionLoop::ReadReference(const SessionSoFar::Reference& reference) {
   Draw(kReferenceDraws + turn_);
   const SessionAbort abort(stop_.now, parts_.interlocks);
-  const auto record =
-      measurer_.MeasureAt(reference.arms, reference.before.f_r, abort.token(), reference.frames);
+  const auto record = NotRefused(
+      measurer_.MeasureAt(reference.arms, reference.before.f_r, abort.token(), reference.frames),
+      fmt::format("pose {} once more", reference.pose));
   if (!record) return record.error();
   auto reduced = Reduce(*record, parts_.rig, calibrations_);
   if (!reduced) return reduced.error();

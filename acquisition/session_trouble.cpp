@@ -88,8 +88,7 @@ bool SessionLoop::Suspend(const Trip& trip, const MeasurerState& before) {
     if (!note) return Fail(note.error(), before, nullptr);
     if (!Accept(*note)) return false;
   }
-  const SessionAbort abort(stop_.now, parts_.interlocks);
-  const auto restored = measurer_.Restore(before, abort.token());
+  const auto restored = PutBack(before);
   return restored.ok() || Fail(restored.error(), before, nullptr);
 }
 
@@ -164,13 +163,14 @@ bool SessionLoop::Recover(FailureClass failure, const MeasurerState& before) {
 
 Result<std::optional<ReferenceNote>> SessionLoop::TryToRecover(FailureClass failure,
                                                                const MeasurerState& before) {
-  const SessionAbort abort(stop_.now, parts_.interlocks);
-  if (abort.token().stop_requested()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (stop_.now.stop_requested()) return Error{ErrorCode::kCancelled, "cancelled"};
   if (parts_.reopen) {
     if (auto opened = parts_.reopen(failure); !opened) return opened.error();
   }
-  const auto ready =
-      failure == FailureClass::kAxis ? measurer_.Prepare(abort.token()) : measurer_.SwitchOn();
+  const Result<void> ready = [&] {
+    const SessionAbort abort(stop_.now, parts_.interlocks);
+    return failure == FailureClass::kAxis ? measurer_.Prepare(abort.token()) : measurer_.SwitchOn();
+  }();
   if (!ready) return ready.error();
   std::optional<ReferenceNote> reference;
   if (last_) {
@@ -178,9 +178,7 @@ Result<std::optional<ReferenceNote>> SessionLoop::TryToRecover(FailureClass fail
     if (!read) return read.error();
     reference = *read;
   }
-  if (auto restored = measurer_.Restore(before, abort.token()); !restored) {
-    return restored.error();
-  }
+  if (auto restored = PutBack(before); !restored) return restored.error();
   return reference;
 }
 

@@ -73,8 +73,7 @@ int ReplayImported(const ReplayOptions& options, const SessionRecord& record) {
   }
   const fs::path file =
       options.session / kImportedFolder / fs::path(KeyOf(record, "file")).filename();
-  const std::vector<std::string> damage =
-      DamageOf(options.session, file, KeyOf(record, "sha256"));
+  const std::vector<std::string> damage = DamageOf(options.session, file, KeyOf(record, "sha256"));
   for (const std::string& one : damage) fmt::print("damage           {}\n", one);
   json numbers = {{"damage", damage}, {"turns", 0}, {"first_difference", nullptr}};
   fmt::print("decisions        none of ours: imported from {}\n", KeyOf(record, "file"));
@@ -95,8 +94,8 @@ int ReplayImported(const ReplayOptions& options, const SessionRecord& record) {
   }
   if (options.refit) {
     const Plan plan = ParsePlan(record.info.plan_text, record.info.plan_path);
-    numbers["refit"] = Refit(record.poses, PriorOfSession(record.info), plan.fit, options.session,
-                             options.out);
+    numbers["refit"] =
+        Refit(record.poses, PriorOfSession(record.info), plan.fit, options.session, options.out);
   }
   if (!options.plan.empty()) numbers["other_plan"] = OtherPlan(options, record);
   if (!options.out.empty()) fmt::print("wrote            {}\n", options.out.string());
