@@ -67,6 +67,35 @@ TEST_F(FrameTakerTest, TakesAFrameAgainDuringWhichTheLightChanged) {
   EXPECT_EQ(script.left(), 0u);
 }
 
+// Every third pair agrees by chance. Example failure is a taker that remembers none of the others.
+TEST_F(FrameTakerTest, FindsALightThatFlickersAndSometimesAgrees) {
+  std::deque<double> readings;
+  for (int i = 0; i < 20; ++i) {
+    for (const double reading : {1.1, 1.1, 1.0}) readings.push_back(reading);
+  }
+  Script(readings);
+  FrameTaker taker(rig_.rig, rig_.devices);
+  int taken = 0;
+  for (; taken < 10; ++taken) {
+    if (!taker.Take(Seconds(0.01), 1, {}).ok()) break;
+  }
+  EXPECT_GT(taken, 1);
+  EXPECT_LT(taken, 6);
+}
+
+TEST_F(FrameTakerTest, LooksAtALightThatWasSwitchedOn) {
+  FrameTaker taker(rig_.rig, rig_.devices);
+  Script({1, 1.01, 1, 1.01, 1, 1.01, 1, 1.01, 1});
+  EXPECT_TRUE(taker.CheckSteady(rig_.clock).ok());
+  Script({1, 1.05, 1, 1.05, 1, 1.05, 1, 1.05, 1});
+  const auto unsteady = taker.CheckSteady(rig_.clock);
+  ASSERT_FALSE(unsteady.ok());
+  EXPECT_EQ(unsteady.error().code, ErrorCode::kProtocol);
+  EXPECT_THAT(unsteady.error().message, HasSubstr("flickers by 4.9 % from reading to reading"));
+  rig_.rig.max_light_change.reset();
+  EXPECT_TRUE(taker.CheckSteady(rig_.clock).ok());  // nobody asked
+}
+
 TEST_F(FrameTakerTest, GivesUpOnALightThatIsNeverSteady) {
   Script({0.9, 1, 0.9, 1});
   const auto taken = Take(1);

@@ -136,6 +136,23 @@ TEST(Failures, AnAxisIsHomedAndTheSessionMakesTheSameChoices) {
   ExpectSame(bench.planner.observed, Undisturbed());
 }
 
+// Example failure is a pose kept whose arm may have sunk while it was exposed.
+TEST(Failures, AMotorThatLosesPowerDuringAnExposureCostsThePose) {
+  FailingBench bench;
+  bench.rig.failures.axis.retries = 1;
+  SimAxis& arm = bench.axis(kLightElevation);
+  bool once = false;
+  bench.camera->on_capture = [&](int) {
+    if (bench.planner.observed.size() != 2 || once) return;
+    once = true;
+    arm.LosePower();
+  };
+  const SessionSummary summary = bench.RunWith();
+  EXPECT_EQ(summary.outcome, SessionOutcome::kComplete) << summary.reason;
+  EXPECT_THAT(bench.reopened, ElementsAre(FailureClass::kAxis));
+  ExpectSame(bench.planner.observed, Undisturbed());
+}
+
 // Example failure is a count of attempts that begins anew with each of them.
 TEST(Failures, AFailureThatComesAgainDuringRecoveryCountsAsWell) {
   FailingBench bench;
