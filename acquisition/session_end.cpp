@@ -26,7 +26,11 @@ bool SessionLoop::End(SessionOutcome outcome, std::string reason) {
   return false;
 }
 
-bool SessionLoop::EndWith(const Error& error) {
+bool SessionLoop::EndWith(const Error& cause) {
+  const bool by_user = stop_.now.stop_requested() || stop_.after_pose.stop_requested();
+  const bool cancelled = cause.code == ErrorCode::kCancelled && !by_user;
+  const auto trip = cancelled ? CheckInterlocks() : std::nullopt;
+  const Error error = trip ? ErrorOf(*trip) : cause;
   if (error.code == ErrorCode::kEmergencyStop) {
     (void)EmergencyStopAll(parts_.devices).ok();
   } else {

@@ -120,11 +120,7 @@ bool SessionLoop::Prepare() {
     prepared = measurer_.Prepare(abort.token());
   }
   summary_.preparation += parts_.clock.Now() - before;
-  if (!prepared.ok()) {
-    const auto trip = CheckInterlocks();
-    const bool by_trip = trip && !stop_.now.stop_requested();
-    return EndWith(by_trip ? ErrorOf(*trip) : prepared.error());
-  }
+  if (!prepared.ok()) return EndWith(prepared.error());
   Enter(SessionSignal::kHomed);
   if (!Kept([&](EventLog& log) {
         return log.AppendNote(parts_.clock.Now(), "prepared", "every axis homed, light on");

@@ -63,13 +63,15 @@ class SessionLoop {
   // session_reference.cpp: the last pose, measured again.
   bool GoBack();
   Result<ReferenceNote> ReadReference(const SessionSoFar::Reference& reference);
+  // The last pose once more, if there is one, and then all as it was before.
+  Result<std::optional<ReferenceNote>> LookBack(const MeasurerState& before);
   // Arms and exposure as they were; kRefused is kProtocol for both.
   Result<void> PutBack(const MeasurerState& before);
   bool Accept(const ReferenceNote& note);
 
   // session_end.cpp: how it ends.
   bool End(SessionOutcome outcome, std::string reason);
-  bool EndWith(const Error& error);
+  bool EndWith(const Error& cause);
   void Finish();
   // What of it failed; empty: light off, arms still.
   std::string CleanUp();

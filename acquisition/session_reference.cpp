@@ -51,6 +51,17 @@ bool SessionLoop::GoBack() {
   return restored.ok() || EndWith(restored.error());
 }
 
+Result<std::optional<ReferenceNote>> SessionLoop::LookBack(const MeasurerState& before) {
+  std::optional<ReferenceNote> reference;
+  if (last_) {
+    auto read = ReadReference(*last_);
+    if (!read) return read.error();
+    reference = *read;
+  }
+  if (auto restored = PutBack(before); !restored) return restored.error();
+  return reference;
+}
+
 Result<void> SessionLoop::PutBack(const MeasurerState& before) {
   const SessionAbort abort(stop_.now, parts_.interlocks);
   return NotRefused(measurer_.Restore(before, abort.token()), "back to where the arms were");

@@ -82,14 +82,14 @@ bool SessionLoop::AwaitClear(const Trip& trip) {
 
 // Until the interlocks are clear; then the last pose is measured again, to see what has changed.
 bool SessionLoop::Suspend(const Trip& trip, const MeasurerState& before) {
-  if (!AwaitClear(trip)) return false;
-  if (last_) {
-    const auto note = ReadReference(*last_);
-    if (!note) return Fail(note.error(), before, nullptr);
-    if (!Accept(*note)) return false;
+  for (std::optional<Trip> next = trip;;) {
+    if (!AwaitClear(*next)) return false;
+    const auto reference = LookBack(before);
+    next = CheckInterlocks();
+    if (next && Concerns(*next, reference)) continue;
+    if (!reference) return Fail(reference.error(), before, nullptr);
+    return !*reference || Accept(**reference);
   }
-  const auto restored = PutBack(before);
-  return restored.ok() || Fail(restored.error(), before, nullptr);
 }
 
 bool SessionLoop::Fail(const Error& error, const MeasurerState& before, const Proposal* proposal) {
@@ -172,14 +172,7 @@ Result<std::optional<ReferenceNote>> SessionLoop::TryToRecover(FailureClass fail
     return failure == FailureClass::kAxis ? measurer_.Prepare(abort.token()) : measurer_.SwitchOn();
   }();
   if (!ready) return ready.error();
-  std::optional<ReferenceNote> reference;
-  if (last_) {
-    auto read = ReadReference(*last_);
-    if (!read) return read.error();
-    reference = *read;
-  }
-  if (auto restored = PutBack(before); !restored) return restored.error();
-  return reference;
+  return LookBack(before);
 }
 
 }  // namespace gonio

@@ -253,7 +253,10 @@ class Shift {
   }
 
   void FollowDoor(Seconds now) {
-    const bool open = now >= script_.door_opens && now < script_.door_closes;
+    // And once more when the session has just gone on.
+    const Seconds since = now - script_.door_closes;
+    const bool open = now >= script_.door_opens &&
+                      (since < Seconds(0) || (since > Seconds(4) && since < Seconds(7)));
     if (open == open_) return;
     open_ = open;
     temp_.File("door", open ? "0\n" : "1\n");

@@ -245,6 +245,30 @@ TEST(Interlocks, ADoorOpenDuringAMoveSuspendsAndThePoseIsMeasuredAllTheSame) {
   EXPECT_THAT(KindsOf(ReadSession(logs / "s")), testing::Contains("suspended"));
 }
 
+// Example failure is a session that takes what the second opening stopped for the user's wish.
+TEST(Interlocks, ADoorOpenedAgainDuringTheReferenceSuspendsOnceMore) {
+  InterlockedBench bench;
+  const std::filesystem::path file = bench.dir.File("door", "1\n");
+  int suspended = 0;
+  bench.on_observe = [&](int n) {
+    if (n == 2) bench.dir.File("door", "0\n");
+  };
+  bench.on_suspended = [&] {
+    ++suspended;
+    bench.dir.File("door", "1\n");
+  };
+  bool again = false;
+  bench.camera->on_capture = [&](int) {
+    if (suspended != 1 || again) return;
+    again = true;
+    bench.dir.File("door", "0\n");
+  };
+  const SessionSummary summary = bench.RunWith({.signals = {Door(file)}, .poll = Seconds(1)});
+  EXPECT_EQ(summary.outcome, SessionOutcome::kComplete) << summary.reason;
+  EXPECT_EQ(summary.poses.size(), 4u);
+  EXPECT_EQ(suspended, 2);
+}
+
 TEST(Interlocks, AnEmergencyStopEndsInAStateOfItsOwn) {
   InterlockedBench bench;
   InterlockSignal button = Door(bench.dir.File("button", "1\n"));
