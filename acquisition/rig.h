@@ -80,6 +80,13 @@ struct TimeModel {
   Seconds frame_overhead{0};                   // beside exposure and read-out
 };
 
+// A wheel of filters in front of the light or the camera.
+struct FilterWheel {
+  AxisLimits limits;
+  std::optional<AxisDevice> device;   // empty: simulated
+  std::array<double, 3> positions{};  // rad, by LightColour
+};
+
 struct RigConfig {
   std::string name;
   std::string text;                    // the file as it was read, frozen into the session
@@ -100,6 +107,12 @@ struct RigConfig {
   // Relative change of the light from before to after an exposure that is still steady; empty: not
   // looked at.
   std::optional<double> max_light_change;
+  // Whether each frame is lit by one colour of the light and stands for that channel alone: only
+  // with a mono camera, of which each pixel otherwise stands for all channels alike.
+  bool by_colour = false;
+  std::optional<ColourChannels> colour_channels;  // of the light's driver; or
+  std::optional<FilterWheel> filter_wheel;
+  Seconds colour_settle{0};     // waited after each change of colour
   int dense_brackets = 3;       // frames per pose a dense scan would take, for time estimates
   Seconds dense_exposure{0.3};  // of each of them, on average
   CameraInfo camera;
