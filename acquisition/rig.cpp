@@ -207,6 +207,10 @@ SensorFormat SensorFormatOf(const RigConfig& rig, const std::string& identity) {
   return format;
 }
 
+std::string LightFormatOf(const RigConfig& rig, const Light& light) {
+  return rig.by_colour ? light.identity() : std::string();
+}
+
 RigConfig ReadRig(const ConfigNode& root, std::string text) {
   RigConfig rig;
   root.Integer("version", 1, 1);

@@ -136,6 +136,9 @@ struct Devices {
 // What frames of this rig's camera must share with those of a calibration. Full scale is the rig's:
 // a sensor may be full before its converter is. `identity`: Camera::identity().
 SensorFormat SensorFormatOf(const RigConfig& rig, const std::string& identity);
+// What calibrations that depend on the light must share: Light::identity() of a light with colours,
+// otherwise empty.
+std::string LightFormatOf(const RigConfig& rig, const Light& light);
 
 // Reads the rig part of a rig file such as configs/sim-rig.yaml. Leaves `root` open: the caller
 // reads the `simulation` or device part and then calls root.RefuseUnknownKeys(). Throws

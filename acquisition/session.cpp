@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "acquisition/bracket_check.h"
+#include "acquisition/light_colours.h"
 #include "acquisition/measure.h"
 #include "acquisition/radiometry.h"
 #include "acquisition/reference_visits.h"
@@ -290,6 +291,7 @@ class Session {
 
   void CountTime(const PoseRecord& record) {
     summary_.travel += record.move_time;
+    summary_.exposing += ColourChangesOf(parts_.rig);
     for (const Exposure& exposure : record.exposures) {
       summary_.exposing += exposure.frame.exposure + parts_.rig.camera.readout;
     }

@@ -71,10 +71,11 @@ Result<void> FilterWheelLight::Select(LightColour colour, std::stop_token stop) 
   }
   if (!state) return state.error();
   if (IsAt(state->position, colour)) return {};
-  return Error{ErrorCode::kRefused,
-               fmt::format("{}: stands at {:.4f} deg after {} turns to {:.4f} deg, tolerance {} deg",
-                           wheel_->name(), DegFromRad(state->position), settings_.retries + 1,
-                           DegFromRad(target), DegFromRad(wheel_->limits().position_tolerance))};
+  return Error{
+      ErrorCode::kRefused,
+      fmt::format("{}: stands at {:.4f} deg after {} turns to {:.4f} deg, tolerance {} deg",
+                  wheel_->name(), DegFromRad(state->position), settings_.retries + 1,
+                  DegFromRad(target), DegFromRad(wheel_->limits().position_tolerance))};
 }
 
 Result<std::optional<LightColour>> FilterWheelLight::Selected() {

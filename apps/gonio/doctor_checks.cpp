@@ -93,6 +93,9 @@ std::vector<Finding> CheckPortsOf(const RigConfig& rig) {
   for (const auto& device : rig.axis_devices) {
     if (device) ports.emplace(device->port.port, &*device);
   }
+  if (rig.filter_wheel && rig.filter_wheel->device) {
+    ports.emplace(rig.filter_wheel->device->port.port, &*rig.filter_wheel->device);
+  }
   std::vector<Finding> findings;
   for (const auto& [name, device] : ports) {
     const auto port = SerialPort::Open(device->port);

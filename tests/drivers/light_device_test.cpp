@@ -50,9 +50,9 @@ TEST(ReadLightDevice, HasOneLedOrOneForEachColour) {
 TEST(ReadLightDevice, RefusesColoursThatItCannotHave) {
   EXPECT_EQ(Complaint("driver: dc2200\nfull_current_a: 1", ColourChannels{0, 1, 2}),
             "rig.yaml:1: driver: dc2200 has one LED, light.colours needs three");
-  EXPECT_EQ(Complaint(std::string(kSerial) + "channel: 1\nfull_current_a: 1",
-                      ColourChannels{0, 1, 2}),
-            "rig.yaml:3: channel: light.colours says which channels");
+  EXPECT_EQ(
+      Complaint(std::string(kSerial) + "channel: 1\nfull_current_a: 1", ColourChannels{0, 1, 2}),
+      "rig.yaml:3: channel: light.colours says which channels");
   EXPECT_EQ(Complaint(std::string(kSerial) + "full_current_a: 1", {}),
             "rig.yaml:1: channel: is missing");
 }
