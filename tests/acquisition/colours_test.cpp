@@ -63,8 +63,7 @@ TEST(ColouredLight, AForetoldPoseTakesOneFrameInEachColour) {
   ExpectMeasures(*record, rig.rig, kCloth);
   // Each at its own target, which one exposure for all cannot be.
   for (const Exposure& e : record->exposures) {
-    const FrameMeans means =
-        MeansOf(e.frame, rig.rig.camera.full_scale, record->regions, e.colour);
+    const FrameMeans means = MeansOf(e.frame, rig.rig.camera.full_scale, record->regions, e.colour);
     const double level = means.counts[ChannelOf(*e.colour)] / rig.rig.camera.full_scale;
     if (e.frame.exposure < rig.rig.exposure.soft_limit) {
       EXPECT_NEAR(level, rig.rig.exposure.target_fraction, 0.05);
@@ -157,8 +156,7 @@ TEST(ColouredLight, AWheelStandsStillWhileAFrameIsExposed) {
     EXPECT_EQ(record->exposures.size(), 3);
     ExpectMeasures(*record, rig.rig, kCloth);
     for (const Exposure& e : record->exposures) {
-      EXPECT_FALSE(
-          rig.wheel->MovingBetween(e.frame.start, e.frame.start + e.frame.exposure));
+      EXPECT_FALSE(rig.wheel->MovingBetween(e.frame.start, e.frame.start + e.frame.exposure));
     }
     const double changes = ColourChangesOf(rig.rig).count();
     EXPECT_NEAR(changes, (1.5 / 2 + 2.0 / 8) + (2.0 / 2 + 2.0 / 8) + 2 * 0.02, 1e-9);
@@ -207,8 +205,7 @@ TEST(ColouredLight, CrosstalkMixesNeighbours) {
   const Rgb r = LedRig().radiometry.responsivity;
   const Rgb seen = r * kCloth;
   ExpectMeasures(*record, rig.rig,
-                 Rgb(0.95 * seen[0] + 0.05 * seen[1],
-                     0.90 * seen[1] + 0.05 * (seen[0] + seen[2]),
+                 Rgb(0.95 * seen[0] + 0.05 * seen[1], 0.90 * seen[1] + 0.05 * (seen[0] + seen[2]),
                      0.95 * seen[2] + 0.05 * seen[1]) /
                      r);
 }

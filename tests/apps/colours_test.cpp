@@ -4,6 +4,7 @@
 #include "acquisition/session_frames.h"
 #include "acquisition/session_record.h"
 #include "core/config.h"
+#include "core/units.h"
 #include "tests/apps/gonio_process.h"
 
 namespace gonio {

@@ -80,8 +80,8 @@ std::string Refusal(const fs::path& folder, const std::string& light,
 TEST(ColourCalibration, FindsWhatWasPlantedInEachColour) {
   const Calibrations found = Load(LedFolder());
   const SimConfig truth = ImperfectTruth();
-  ASSERT_TRUE(found.dark && found.sensor && found.bad_pixels && found.colour_flats &&
-              found.stray && found.responsivity);
+  ASSERT_TRUE(found.dark && found.sensor && found.bad_pixels && found.colour_flats && found.stray &&
+              found.responsivity);
   EXPECT_FALSE(found.flat);
   const double gain = found.sensor->gain.value / truth.electrons_per_count;
   for (std::size_t c = 0; c < kChannels; ++c) {
@@ -175,8 +175,7 @@ TEST(ColourCalibration, AStepGoesOnWithFramesOfTheSameColour) {
   fs::copy(LedFolder(), options.folder, fs::copy_options::recursive);
   ASSERT_TRUE(RunLedStep(CalibrateFlat, WhiteTile(), options).ok());
   for (const LightColour colour : kLightColours) {
-    const fs::path file =
-        options.folder / "flat.frames" / ToString(colour) / "frame-0002.yaml";
+    const fs::path file = options.folder / "flat.frames" / ToString(colour) / "frame-0002.yaml";
     const auto stored = ReadFrameFile(file, MonoFormat());
     ASSERT_TRUE(stored) << file;
     EXPECT_EQ(stored->colour, colour);

@@ -34,13 +34,13 @@ std::vector<HalfDiff> Poses(int count) {
 }
 
 SessionSummary RunOn(SimulatedRig& rig, Planner& planner, EventLog* log,
-                   const SessionSoFar* so_far = nullptr, int stop_after = 1000) {
+                     const SessionSoFar* so_far = nullptr, int stop_after = 1000) {
   std::stop_source stop;
-  return RunSession({rig.rig, rig.devices, rig.clock, planner, log, nullptr, so_far, nullptr,
-                     rig.draw},
-                    {}, {stop.get_token(), {}}, [&](const Progress& progress) {
-                      if (progress.poses >= stop_after) stop.request_stop();
-                    });
+  return RunSession(
+      {rig.rig, rig.devices, rig.clock, planner, log, nullptr, so_far, nullptr, rig.draw}, {},
+      {stop.get_token(), {}}, [&](const Progress& progress) {
+        if (progress.poses >= stop_after) stop.request_stop();
+      });
 }
 
 struct ZScores {
