@@ -16,6 +16,8 @@
 namespace gonio {
 namespace {
 
+using testing::HasSubstr;
+
 const AnalyticBrdf kPaint{"paint", {Lambert{Rgb(0.15, 0.4, 0.04)}, Ggx{.roughness = 0.25}}};
 
 // Arms that end where they are sent, and a steady light: homing again changes nothing.
@@ -127,6 +129,37 @@ TEST_F(ColourNight, KeepsTheColourOfEachFrameAndReducesThemAgain) {
   EXPECT_TRUE(FindDamage(dir_ / "s").empty());
   ASSERT_EQ(RescueSession(dir_ / "s", dir_ / "rescued").poses, kCount);
   EXPECT_EQ(SessionFrames(dir_ / "rescued").Of(2).front().colour, frames.Of(2).front().colour);
+}
+
+// Example failure is a gain of red that is made of all colours' frames.
+TEST_F(ColourNight, VisitsItsReferenceInEachColour) {
+  RigConfig config = LedRig();
+  config.drift.every_poses = 3;
+  config.drift.frames = 2;
+  SimulatedRig rig(kPaint, 1, config, Steady());
+  ScriptedPlanner planner(Poses(kCount));
+  {
+    EventLog log = EventLog::Create(dir_ / "s", SomeInfo());
+    const SessionSummary summary = RunOn(rig, planner, &log);
+    ASSERT_EQ(summary.outcome, SessionOutcome::kComplete) << summary.reason;
+    EXPECT_EQ(summary.reference_visits, 2);
+    EXPECT_TRUE(((summary.gain.value - 1).abs() < 4 * summary.gain.sigma).all());
+  }
+  const SessionRecord record = ReadSession(dir_ / "s");
+  int visits = 0;
+  for (const SessionEvent& event : record.events) {
+    if (event.kind != "reference") continue;
+    ++visits;
+    for (const char* colour : {"red", "green", "blue"}) {
+      EXPECT_THAT(event.body, HasSubstr(std::string("\"colour\":\"") + colour + "\""));
+    }
+  }
+  EXPECT_EQ(visits, 2);
+  const Calibrations none;
+  Rereduction rereduction(dir_ / "s", config, none, HistoryOf(record).visits);
+  for (const MeasuredPose& pose : record.poses) {
+    EXPECT_TRUE((rereduction.Of(pose)->front().sample.f_r == pose.samples.front().f_r).all());
+  }
 }
 
 // Example failure is a resume that begins with red where the wheel stood at blue, or has forgotten
