@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "acquisition/light_colours.h"
 #include "acquisition/region_rates.h"
 
 namespace gonio {
@@ -18,6 +19,7 @@ double Square(double x) { return x * x; }
 struct View {
   CorrectedFrame frame;
   double told = 0;  // s
+  std::optional<LightColour> colour;
 };
 
 // Sums over the sites that two frames both show.
@@ -80,15 +82,16 @@ Result<std::optional<BracketMismatch>> LeastAgreement(const PoseRecord& pose, co
     if (!dark) return dark.error();
     auto frame = Correct(sensor, e.frame, e.monitor, &*dark);
     if (!frame) return frame.error();
-    views.push_back({std::move(frame).value(), e.frame.exposure.count()});
+    views.push_back({std::move(frame).value(), e.frame.exposure.count(), e.colour});
   }
   const double offset_sigma = calibrations.sensor ? calibrations.sensor->exposure_offset.sigma : 0;
   std::optional<BracketMismatch> worst;
   for (const View& a : views) {
     for (const View& b : views) {
-      if (!(a.told < b.told)) continue;
+      if (!(a.told < b.told) || a.colour != b.colour) continue;
       const auto sums = CommonOf(pose, a.frame, b.frame);
       for (int c = 0; c < kChannels; ++c) {
+        if (a.colour && ChannelOf(*a.colour) != c) continue;
         auto here = Compare(a, b, sums[static_cast<std::size_t>(c)], rig.radiometry, offset_sigma);
         if (!here || (worst && std::abs(here->score()) <= std::abs(worst->score()))) continue;
         worst = here;

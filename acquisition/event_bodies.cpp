@@ -24,6 +24,12 @@ json ColoursOf(const Rgb& values) {
 json ToJson(const MeasurerState& state) {
   json body = {{"told_rad", state.told}};
   if (state.exposure) body["exposure_s"] = state.exposure->count();
+  if (state.colour) {
+    body["colour"] = ToString(*state.colour);
+    json& rates = body["rates_per_s"] = json::array();
+    for (const std::optional<double>& rate : state.rates)
+      rates.push_back(rate ? json(*rate) : json());
+  }
   return body;
 }
 
@@ -59,6 +65,7 @@ json BodyOf(const ReferenceRecord& visit) {
                       {"monitor", e.monitor},
                       {"saturated", e.saturated},
                       {"mean_counts", ColoursOf(visit.net[k])}});
+    if (e.colour) frames.back()["colour"] = ToString(*e.colour);
   }
   return {{"visit", visit.visit},
           {"poses", visit.poses},

@@ -47,6 +47,10 @@ std::optional<double> FiniteOrNull(double number) {
   return std::isfinite(number) ? std::optional<double>(number) : std::nullopt;
 }
 
+std::optional<std::string> NameOrNull(const std::optional<LightColour>& colour) {
+  return colour ? std::optional<std::string>(ToString(*colour)) : std::nullopt;
+}
+
 // Makes the entry of a new directory durable. Best effort: some file systems refuse.
 void SyncDirectory(const std::filesystem::path& dir) {
   const int fd = ::open(dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
@@ -134,11 +138,14 @@ struct EventLog::Impl {
     const Frame& frame = exposure.frame;
     const std::vector<std::uint8_t> bytes = LittleEndian(frame.counts);
     sqlite::Statement(db,
-                      "INSERT INTO exposures VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
+                      "INSERT INTO exposures (pose, frame, exposure_s, black_level, monitor, "
+                      "start_s, gain_db, temperature_c, width, height, layout, colour, "
+                      "saturated_red, saturated_green, saturated_blue, counts) "
+                      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)")
         .Run(pose, number, frame.exposure.count(), frame.black_level, exposure.monitor,
              frame.start.count(), frame.gain_db, frame.temperature_c, frame.width, frame.height,
-             std::string(ToString(frame.layout)), int{exposure.saturated[0]},
-             int{exposure.saturated[1]}, int{exposure.saturated[2]},
+             std::string(ToString(frame.layout)), NameOrNull(exposure.colour),
+             int{exposure.saturated[0]}, int{exposure.saturated[1]}, int{exposure.saturated[2]},
              std::span<const std::uint8_t>(bytes));
     return Sha256(AsText(bytes));
   }
@@ -217,12 +224,13 @@ EventLog EventLog::Open(const std::filesystem::path& dir) {
   try {
     auto impl = std::make_unique<Impl>(dir, 0);
     const std::int64_t version = CheckSessionFormat(impl->db);
-    if (version < kSessionFormat) {
+    if (version < kOldestResumedFormat) {
       throw ConfigError(
           fmt::format("{}: has session format {}, which can be read but not gone on "
-                      "with; format {} can",
-                      dir.string(), version, kSessionFormat));
+                      "with; formats {} to {} can",
+                      dir.string(), version, kOldestResumedFormat, kSessionFormat));
     }
+    if (version < kSessionFormat) BringSessionUpToDate(impl->db);
     return EventLog(std::move(impl));
   } catch (const sqlite::Failure& e) {
     throw ConfigError(e.what());

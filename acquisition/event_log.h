@@ -21,9 +21,11 @@
 
 namespace gonio {
 
-// Versions of the tables of DIR/session.sqlite: what is written, and the oldest that is read. The
-// second one says more of each frame, the third of each sample's uncertainty (docs/data-format.md).
-inline constexpr int kSessionFormat = 3;
+// Versions of the tables of DIR/session.sqlite: what is written, the oldest that is gone on with,
+// and the oldest that is read. The second one says more of each frame, the third of each sample's
+// uncertainty, the fourth which colour of the light lit a frame (docs/data-format.md).
+inline constexpr int kSessionFormat = 4;
+inline constexpr int kOldestResumedFormat = 3;
 inline constexpr int kOldestSessionFormat = 1;
 inline constexpr const char* kSessionFile = "session.sqlite";
 inline constexpr const char* kSessionCalibration = "calibration";  // folder in it
@@ -115,7 +117,8 @@ class EventLog {
 
   EventLog(EventLog&&) noexcept;
   EventLog& operator=(EventLog&&) noexcept;
-  // Opens a session to go on with it. Throws ConfigError: it is none, is of another format, is
+  // Opens a session to go on with it; one of an older format that can be gone on with becomes one
+  // of this. Throws ConfigError: it is none, is of another format, is
   // damaged (FindDamage in acquisition/session_check.h says how), or another process has it open.
   static EventLog Open(const std::filesystem::path& dir);
 

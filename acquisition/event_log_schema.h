@@ -45,7 +45,7 @@ CREATE TABLE exposures (
   exposure_s REAL NOT NULL, black_level REAL NOT NULL, monitor REAL NOT NULL,
   start_s REAL NOT NULL,
   gain_db REAL NOT NULL, temperature_c REAL,
-  width INTEGER NOT NULL, height INTEGER NOT NULL, layout TEXT NOT NULL,
+  width INTEGER NOT NULL, height INTEGER NOT NULL, layout TEXT NOT NULL, colour TEXT,
   saturated_red INTEGER NOT NULL, saturated_green INTEGER NOT NULL,
   saturated_blue INTEGER NOT NULL,
   counts BLOB NOT NULL,

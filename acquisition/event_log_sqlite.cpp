@@ -96,6 +96,14 @@ void Statement::BindOne(int index, std::span<const std::uint8_t> bytes) {
   }
 }
 
+void Statement::BindOne(int index, const std::optional<std::string>& text) {
+  if (text) {
+    BindOne(index, *text);
+  } else {
+    BindOne(index, std::optional<double>());
+  }
+}
+
 void Statement::BindOne(int index, const std::optional<double>& number) {
   if (number) {
     BindOne(index, *number);

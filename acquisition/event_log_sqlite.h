@@ -90,6 +90,7 @@ class Statement {
   void BindOne(int index, const std::string& text);
   void BindOne(int index, std::span<const std::uint8_t> bytes);  // must live until Reset()
   void BindOne(int index, const std::optional<double>& number);
+  void BindOne(int index, const std::optional<std::string>& text);
 
   struct Finalize {
     void operator()(sqlite3_stmt* s) const { sqlite3_finalize(s); }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquisition/light_colours.h"
 #include "core/check.h"
 
 namespace gonio {
@@ -16,7 +17,13 @@ constexpr double kFaintCounts = 1;
 
 // Hands every colour that a pixel has to visit(channel, count).
 template <typename Visit>
-void VisitCounts(const Frame& frame, std::uint32_t pixel, const Visit& visit) {
+void VisitCounts(const Frame& frame, std::uint32_t pixel, const std::optional<LightColour>& colour,
+                 const Visit& visit) {
+  if (colour) {
+    GONIO_CHECK(frame.layout == PixelLayout::kMono, "coloured light is for mono cameras");
+    visit(ChannelOf(*colour), frame.counts[pixel]);
+    return;
+  }
   switch (frame.layout) {
     case PixelLayout::kRgb:
       for (int c = 0; c < kChannels; ++c) visit(c, frame.counts[3 * std::size_t{pixel} + c]);
@@ -43,11 +50,12 @@ struct ChannelView {
   double rate() const { return std::max(counts, kFaintCounts) / exposure; }
 };
 
-ChannelView View(const std::vector<Exposure>& taken, const std::vector<FrameMeans>& means, int c,
+ChannelView View(std::span<const Exposure> taken, const std::vector<FrameMeans>& means, int c,
                  double enough_counts) {
   ChannelView view;
   for (std::size_t i = 0; i < taken.size(); ++i) {
     const double exposure = taken[i].frame.exposure.count();
+    if (means[i].pixels[c] == 0) continue;
     if (taken[i].saturated[c]) {
       if (view.shortest_clipped == 0 || exposure < view.shortest_clipped) {
         view.shortest_clipped = exposure;
@@ -61,6 +69,16 @@ ChannelView View(const std::vector<Exposure>& taken, const std::vector<FrameMean
     }
   }
   return view;
+}
+
+std::vector<FrameMeans> MeansOfAll(std::span<const Exposure> taken,
+                                   std::span<const ImageRegion> regions, const RigConfig& rig) {
+  std::vector<FrameMeans> means;
+  means.reserve(taken.size());
+  for (const Exposure& e : taken) {
+    means.push_back(MeansOf(e.frame, rig.camera.full_scale, regions, e.colour));
+  }
+  return means;
 }
 
 double Clamp(double exposure, const CameraInfo& camera) {
@@ -108,7 +126,8 @@ std::optional<double> Longer(const ChannelView& view, bool brightest, const RigC
 
 }  // namespace
 
-FrameMeans MeansOf(const Frame& frame, int full_scale, std::span<const ImageRegion> regions) {
+FrameMeans MeansOf(const Frame& frame, int full_scale, std::span<const ImageRegion> regions,
+                   const std::optional<LightColour>& colour) {
   FrameMeans means;
   const auto add = [&](int channel, std::uint16_t count) {
     means.counts[channel] += count;
@@ -116,7 +135,7 @@ FrameMeans MeansOf(const Frame& frame, int full_scale, std::span<const ImageRegi
     means.pixels[channel] += 1;
   };
   for (const ImageRegion& region : regions) {
-    for (const std::uint32_t pixel : region.pixels) VisitCounts(frame, pixel, add);
+    for (const std::uint32_t pixel : region.pixels) VisitCounts(frame, pixel, colour, add);
   }
   const Rgb pixels = means.pixels.max(1);
   means.counts = (means.pixels > 0).select(means.counts / pixels - frame.black_level, 0);
@@ -138,14 +157,10 @@ Seconds FirstExposure(const Rgb& rates, const RigConfig& rig) {
   return Seconds(Clamp(wanted, rig.camera));
 }
 
-std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken,
+std::optional<Seconds> NextExposure(std::span<const Exposure> taken,
                                     std::span<const ImageRegion> regions, const RigConfig& rig) {
   GONIO_CHECK(!taken.empty(), "nothing was exposed");
-  std::vector<FrameMeans> means;
-  means.reserve(taken.size());
-  for (const Exposure& e : taken) {
-    means.push_back(MeansOf(e.frame, rig.camera.full_scale, regions));
-  }
+  const std::vector<FrameMeans> means = MeansOfAll(taken, regions, rig);
   const double enough = rig.exposure.min_fraction * rig.camera.full_scale;
   std::array<ChannelView, kChannels> views;
   for (int c = 0; c < kChannels; ++c) views[c] = View(taken, means, c, enough);
@@ -162,6 +177,12 @@ std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken,
     if (const auto longer = Longer(*view, view == order[0], rig)) return Seconds(*longer);
   }
   return std::nullopt;
+}
+
+std::optional<double> RateOf(std::span<const Exposure> taken, std::span<const ImageRegion> regions,
+                             int channel, const RigConfig& rig) {
+  const ChannelView view = View(taken, MeansOfAll(taken, regions, rig), channel, 0);
+  return view.seen ? std::optional<double>(view.rate()) : std::nullopt;
 }
 
 }  // namespace gonio

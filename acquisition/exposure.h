@@ -14,13 +14,14 @@
 namespace gonio {
 
 // Means over those pixels of a frame that see a region, per channel. A pixel without colour counts
-// for all three.
+// for all three, or for that of the light alone.
 struct FrameMeans {
   Rgb counts = Rgb::Zero();              // above the black level; negative at low light
   Rgb saturated_fraction = Rgb::Zero();  // of the pixels, at full scale: 0 .. 1
   Rgb pixels = Rgb::Zero();              // how many; zero leaves the others zero
 };
-FrameMeans MeansOf(const Frame& frame, int full_scale, std::span<const ImageRegion> regions);
+FrameMeans MeansOf(const Frame& frame, int full_scale, std::span<const ImageRegion> regions,
+                   const std::optional<LightColour>& colour = std::nullopt);
 
 // Counts per second and pixel that a sample of f_r gives under so much light (docs/radiometry.md).
 Rgb CountRates(const Rgb& f_r, double cos_theta_i, double light,
@@ -39,7 +40,14 @@ Seconds FirstExposure(const Rgb& rates, const RigConfig& rig);
 //   2. The brightest channel that is not good yet: longer, to its target.
 //
 // Every frame stays in the record: a channel is masked only in the frames that saturate it.
-std::optional<Seconds> NextExposure(const std::vector<Exposure>& taken,
+// Channels that no frame shows are of no concern: of a light with colours `taken` is what was
+// taken in one of them.
+std::optional<Seconds> NextExposure(std::span<const Exposure> taken,
                                     std::span<const ImageRegion> regions, const RigConfig& rig);
+
+// Counts per second and pixel of a channel, by the longest frame that did not saturate it. Empty:
+// there is none.
+std::optional<double> RateOf(std::span<const Exposure> taken, std::span<const ImageRegion> regions,
+                             int channel, const RigConfig& rig);
 
 }  // namespace gonio

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <deque>
+#include <optional>
 #include <stop_token>
 #include <string>
 
@@ -15,6 +16,8 @@ namespace gonio {
 // One frame with what is needed to reduce it.
 struct Exposure {
   Frame frame;
+  // Of the light; the frame then stands for this channel alone. Empty: the light has no colours.
+  std::optional<LightColour> colour;
   double monitor = 1;                       // the monitor's reading that belongs to this frame
   std::array<bool, kChannels> saturated{};  // some pixel of the channel reached full scale
 };

@@ -216,6 +216,7 @@ class Interlocks::WatchedMonitor final : public Monitor {
     if (reading) watch_->SeeLamp(*reading);
     return reading;
   }
+  Result<void> Expect(LightColour colour) override { return watch_->monitor().Expect(colour); }
 
  private:
   const std::shared_ptr<Watch> watch_;

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 
 #include "core/units.h"
 #include "drivers/move_time.h"
@@ -16,23 +18,29 @@ namespace {
 // dark still says how dark; one that saturates says little.
 constexpr double kUnknownReflectance = 0.3;
 
-// How many channels are saturated.
-int Saturated(const Exposure& e) {
-  return static_cast<int>(std::count(e.saturated.begin(), e.saturated.end(), true));
+// Whether the frame says nothing of any channel it is for.
+bool SaysNothing(const Exposure& e) {
+  if (e.colour) return e.saturated[static_cast<std::size_t>(ChannelOf(*e.colour))];
+  return std::all_of(e.saturated.begin(), e.saturated.end(),
+                     [](bool saturated) { return saturated; });
+}
+
+bool Saturated(const Exposure& e) {
+  return std::any_of(e.saturated.begin(), e.saturated.end(),
+                     [](bool saturated) { return saturated; });
 }
 
 // The longest exposure that saturated nothing: a good start for a similar pose.
-std::optional<Seconds> Suited(const std::vector<Exposure>& exposures) {
+std::optional<Seconds> Suited(std::span<const Exposure> exposures) {
   std::optional<Seconds> suited;
   for (const Exposure& e : exposures) {
-    if (Saturated(e) == 0 && (!suited || e.frame.exposure > *suited)) suited = e.frame.exposure;
+    if (!Saturated(e) && (!suited || e.frame.exposure > *suited)) suited = e.frame.exposure;
   }
   return suited;
 }
 
-bool AllSaturated(const std::vector<Exposure>& exposures) {
-  return std::all_of(exposures.begin(), exposures.end(),
-                     [](const Exposure& e) { return Saturated(e) == kChannels; });
+bool AllSayNothing(std::span<const Exposure> exposures) {
+  return std::all_of(exposures.begin(), exposures.end(), SaysNothing);
 }
 
 // Where encoders read so: an axis that stands at the end of its range reads beyond it as often as
@@ -59,12 +67,18 @@ std::vector<ImageRegion> RegionsSeen(const RigConfig& rig, const Kinematics& kin
 
 PoseMeasurer::PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock,
                            const SiteMask* bad)
-    : rig_(rig), devices_(devices), clock_(clock), bad_(bad), taker_(rig, devices), paths_(rig) {}
+    : rig_(rig),
+      devices_(devices),
+      clock_(clock),
+      bad_(bad),
+      taker_(rig, devices),
+      colours_(rig, devices, clock),
+      paths_(rig) {}
 
 Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
   axes_failed_ = true;
   if (auto homed = HomeAll(rig_.motion, devices_, stop); !homed) return homed;
-  if (auto lit = SwitchOn(); !lit) return lit;
+  if (auto lit = SwitchOn(stop); !lit) return lit;
   axes_failed_ = true;
   const auto position = ReadPositions(devices_);
   if (!position) return position.error();
@@ -78,9 +92,13 @@ Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
   return {};
 }
 
-Result<void> PoseMeasurer::SwitchOn() {
+Result<void> PoseMeasurer::SwitchOn(std::stop_token stop) {
   axes_failed_ = false;
   if (auto lit = devices_.light->SetLevel(rig_.light_level); !lit) return lit;
+  colours_.Forget();  // light and monitor may be opened anew
+  if (const auto first = ColoursInTurn(rig_).front()) {
+    if (auto selected = colours_.Select(*first, std::move(stop)); !selected) return selected;
+  }
   return taker_.CheckSteady(clock_);
 }
 
@@ -101,6 +119,8 @@ Result<PoseRecord> PoseMeasurer::MeasureAt(const ArmAngles& arms,
 Result<void> PoseMeasurer::Restore(const MeasurerState& state, std::stop_token stop) {
   if (auto moved = GoTo(state.told, std::move(stop)); !moved) return moved;
   state_.exposure = state.exposure;
+  state_.rates = state.rates;
+  state_.colour = state.colour;
   return {};
 }
 
@@ -128,8 +148,7 @@ Result<PoseRecord> PoseMeasurer::MeasureOrFail(const FindPath& find,
   if (record.regions.empty()) {
     return Error{ErrorCode::kRefused, "no pixel sees the sample lit and below max_polar_deg"};
   }
-  if (auto exposed = ExposeUntilUsable(expected, record, stop); !exposed) return exposed.error();
-  if (auto repeated = RepeatSuited(frames, record, stop); !repeated) return repeated.error();
+  if (auto exposed = Expose(expected, frames, record, stop); !exposed) return exposed.error();
   if (auto stood = CheckStood(record.readback); !stood) return stood.error();
   record.end = clock_.Now();
   return record;
@@ -174,48 +193,107 @@ Result<void> PoseMeasurer::Move(const FindPath& find, PoseRecord& record, std::s
   return {};
 }
 
-Result<void> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected, PoseRecord& record,
-                                             std::stop_token stop) {
+Result<void> PoseMeasurer::Expose(const std::optional<Rgb>& expected, int frames,
+                                  PoseRecord& record, std::stop_token stop) {
+  Turn turn;
+  bool more = false;
+  for (const std::optional<LightColour>& colour : ColoursInTurn(rig_, state_.colour)) {
+    turn.colour = colour;
+    turn.begin = record.exposures.size();
+    if (colour) {
+      if (auto selected = colours_.Select(*colour, stop); !selected) return selected;
+      state_.colour = colour;
+    }
+    const auto exposed = ExposeUntilUsable(expected, turn, record, stop);
+    if (!exposed) return exposed.error();
+    more = more || *exposed;
+    if (auto repeated = RepeatSuited(frames, turn, record, stop); !repeated) return repeated;
+  }
+  if (!AllSayNothing(record.exposures)) return {};
+  return Error{ErrorCode::kRefused,
+               more ? fmt::format("saturated in all {} frames", record.exposures.size())
+                    : "saturated at the shortest exposure"};
+}
+
+// Counts per second of each channel.
+Rgb PoseMeasurer::Predicted(const std::optional<Rgb>& expected, double monitor,
+                            const PoseRecord& record) const {
+  const Rgb f_r = expected.value_or(Rgb::Constant(kUnknownReflectance));
+  Rgb rates = CountRates(f_r, record.regions.front().light, monitor, rig_.radiometry);
+  for (int c = 0; !expected && c < kChannels; ++c) {
+    rates[c] = state_.rates[static_cast<std::size_t>(c)].value_or(rates[c]);
+  }
+  return rates;
+}
+
+Seconds PoseMeasurer::FirstOf(const std::optional<Rgb>& expected, const Turn& turn, double monitor,
+                              const PoseRecord& record) const {
+  const Rgb rates = Predicted(expected, monitor, record);
+  if (turn.colour) {
+    Rgb own = Rgb::Zero();
+    own[ChannelOf(*turn.colour)] = turn.lift * rates[ChannelOf(*turn.colour)];
+    return FirstExposure(own, rig_);
+  }
+  if (!expected && state_.exposure) return std::min(*state_.exposure, rig_.exposure.soft_limit);
+  return FirstExposure(rates, rig_);
+}
+
+Result<bool> PoseMeasurer::ExposeUntilUsable(const std::optional<Rgb>& expected, Turn& turn,
+                                             PoseRecord& record, std::stop_token stop) {
   auto monitor = taker_.ReadMonitor();
   if (!monitor) return monitor.error();
-  const double cos_theta_i = record.regions.front().light;
-  const Rgb f_r = expected.value_or(Rgb::Constant(kUnknownReflectance));
-  std::optional<Seconds> next =
-      FirstExposure(CountRates(f_r, cos_theta_i, *monitor, rig_.radiometry), rig_);
-  if (!expected && state_.exposure) next = std::min(*state_.exposure, rig_.exposure.soft_limit);
-
-  while (next && std::ssize(record.exposures) < rig_.exposure.max_frames) {
-    if (!record.exposures.empty()) monitor = taker_.ReadMonitor();
+  const Rgb predicted = Predicted(expected, *monitor, record);
+  std::optional<Seconds> next = FirstOf(expected, turn, *monitor, record);
+  const auto taken = [&] { return std::span(record.exposures).subspan(turn.begin); };
+  while (next && std::ssize(taken()) < rig_.exposure.max_frames) {
+    if (!taken().empty()) monitor = taker_.ReadMonitor();
     if (!monitor) return monitor.error();
-    if (auto added = AddExposure(*next, *monitor, record, stop); !added) return added;
-    next = NextExposure(record.exposures, record.regions, rig_);
+    if (auto added = AddExposure(*next, *monitor, turn, record, stop); !added) return added.error();
+    next = NextExposure(taken(), record.regions, rig_);
   }
-  if (AllSaturated(record.exposures)) {
-    state_.exposure = rig_.camera.min_exposure;
-    return Error{ErrorCode::kRefused,
-                 next ? fmt::format("saturated in all {} frames", record.exposures.size())
-                      : "saturated at the shortest exposure"};
-  }
-  if (const auto suited = Suited(record.exposures)) state_.exposure = suited;
-  return {};
+  Learn(predicted, turn, record);
+  return next.has_value();
 }
 
-Result<void> PoseMeasurer::RepeatSuited(int frames, PoseRecord& record, std::stop_token stop) {
-  const auto suited = Suited(record.exposures);
+// For the colours that follow, and the next pose.
+void PoseMeasurer::Learn(const Rgb& predicted, Turn& turn, const PoseRecord& record) {
+  const auto taken = std::span(record.exposures).subspan(turn.begin);
+  if (!turn.colour) {
+    if (AllSayNothing(taken)) {
+      state_.exposure = rig_.camera.min_exposure;
+    } else if (const auto suited = Suited(taken)) {
+      state_.exposure = suited;
+    }
+    return;
+  }
+  const int c = ChannelOf(*turn.colour);
+  // What saturates the shortest exposure is at least as bright as that.
+  const double brightest = rig_.camera.full_scale / rig_.camera.min_exposure.count();
+  const double rate = RateOf(taken, record.regions, c, rig_).value_or(brightest);
+  state_.rates[static_cast<std::size_t>(c)] = rate;
+  if (predicted[c] > 0 && std::isfinite(predicted[c])) turn.lift = rate / predicted[c];
+}
+
+Result<void> PoseMeasurer::RepeatSuited(int frames, const Turn& turn, PoseRecord& record,
+                                        std::stop_token stop) {
+  const auto taken = [&] { return std::span(record.exposures).subspan(turn.begin); };
+  const auto suited = Suited(taken());
   for (int n = 1; suited && n < frames; ++n) {
-    if (std::ssize(record.exposures) >= rig_.exposure.max_frames) break;
+    if (std::ssize(taken()) >= rig_.exposure.max_frames) break;
     const auto monitor = taker_.ReadMonitor();
     if (!monitor) return monitor.error();
-    if (auto added = AddExposure(*suited, *monitor, record, stop); !added) return added;
+    if (auto added = AddExposure(*suited, *monitor, turn, record, stop); !added) return added;
   }
   return {};
 }
 
-Result<void> PoseMeasurer::AddExposure(Seconds exposure, double monitor, PoseRecord& record,
-                                       std::stop_token stop) {
+Result<void> PoseMeasurer::AddExposure(Seconds exposure, double monitor, const Turn& turn,
+                                       PoseRecord& record, std::stop_token stop) {
   auto taken = taker_.Take(exposure, monitor, std::move(stop));
   if (!taken) return taken.error();
-  const FrameMeans means = MeansOf(taken->frame, rig_.camera.full_scale, record.regions);
+  taken->colour = turn.colour;
+  const FrameMeans means =
+      MeansOf(taken->frame, rig_.camera.full_scale, record.regions, turn.colour);
   for (int c = 0; c < kChannels; ++c) taken->saturated[c] = means.saturated_fraction[c] > 0;
   record.exposures.push_back(std::move(taken).value());
   return {};

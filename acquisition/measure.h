@@ -3,6 +3,7 @@
 
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <stop_token>
@@ -11,6 +12,7 @@
 #include "acquisition/exposure.h"
 #include "acquisition/frame_taker.h"
 #include "acquisition/image_regions.h"
+#include "acquisition/light_colours.h"
 #include "acquisition/motion.h"
 #include "acquisition/path_planner.h"
 #include "acquisition/rig.h"
@@ -35,6 +37,10 @@ struct MeasurerState {
   ArmAngles told{};
   // That suited the last pose: the first one of the next where nothing is expected.
   std::optional<Seconds> exposure;
+  // The same of a light with colours, by channel: counts per second and pixel of the last pose. And
+  // the colour that its last frame was lit in.
+  std::array<std::optional<double>, kChannels> rates{};
+  std::optional<LightColour> colour = std::nullopt;
 };
 
 // The sample in the image while the encoders read so, without pixels that are bad.
@@ -48,10 +54,11 @@ class PoseMeasurer {
   // no part of the regions; nullptr: all do.
   PoseMeasurer(const RigConfig& rig, Devices& devices, Clock& clock, const SiteMask* bad = nullptr);
 
-  // Homes every axis and switches the light on. Must succeed once before Measure().
+  // Homes every axis and switches the light on; of one with colours a wheel is homed, too. Must
+  // succeed once before Measure().
   Result<void> Prepare(std::stop_token stop);
-  // Switches the light on; the axes are as they were.
-  Result<void> SwitchOn();
+  // Switches the light on, in its first colour; the axes are as they were.
+  Result<void> SwitchOn(std::stop_token stop);
 
   // `expected`: f_r to choose the first exposure with; without it the last pose's is used.
   // kRefused: skip the pose: it is out of reach, an axis missed its target after all retries, no
@@ -60,6 +67,9 @@ class PoseMeasurer {
   //
   // `frames`: once a frame suits, it is repeated until there are so many, or as many as the rig
   // allows a pose.
+  //
+  // A light with colours: all this in each colour, one after the other. What the first says of a
+  // prediction that was wrong, those that follow are told.
   Result<PoseRecord> Measure(const DirectionPair& pair, const std::optional<Rgb>& expected,
                              std::stop_token stop, int frames = 1);
 
@@ -88,10 +98,23 @@ class PoseMeasurer {
                                    std::stop_token stop, int frames);
   Result<void> Move(const FindPath& find, PoseRecord& record, std::stop_token stop);
   Result<void> CheckStood(const ArmAngles& readback);
-  Result<void> ExposeUntilUsable(const std::optional<Rgb>& expected, PoseRecord& record,
+  // The frames in one colour of the light.
+  struct Turn {
+    std::optional<LightColour> colour;
+    std::size_t begin = 0;  // of its exposures in the record
+    double lift = 1;        // light over what was expected, by the colours before it
+  };
+  Result<void> Expose(const std::optional<Rgb>& expected, int frames, PoseRecord& record,
+                      std::stop_token stop);
+  // Whether another exposure would have helped.
+  Result<bool> ExposeUntilUsable(const std::optional<Rgb>& expected, Turn& turn, PoseRecord& record,
                                  std::stop_token stop);
-  Result<void> RepeatSuited(int frames, PoseRecord& record, std::stop_token stop);
-  Result<void> AddExposure(Seconds exposure, double monitor, PoseRecord& record,
+  Seconds FirstOf(const std::optional<Rgb>& expected, const Turn& turn, double monitor,
+                  const PoseRecord& record) const;
+  void Learn(const Rgb& predicted, Turn& turn, const PoseRecord& record);
+  Rgb Predicted(const std::optional<Rgb>& expected, double monitor, const PoseRecord& record) const;
+  Result<void> RepeatSuited(int frames, const Turn& turn, PoseRecord& record, std::stop_token stop);
+  Result<void> AddExposure(Seconds exposure, double monitor, const Turn& turn, PoseRecord& record,
                            std::stop_token stop);
 
   const RigConfig& rig_;
@@ -99,6 +122,7 @@ class PoseMeasurer {
   Clock& clock_;
   const SiteMask* const bad_;
   FrameTaker taker_;
+  ColourChanger colours_;
   PathPlanner paths_;
   ArmAngles position_{};
   MeasurerState state_;

@@ -60,7 +60,7 @@ std::vector<Reading> Readings(const PoseRecord& pose, int c, const ImageRegion& 
     const double exposure = e.frame.exposure.count();
     Reading reading;
     reading.dark = rig.radiometry.dark_current * exposure;
-    const FrameMeans means = MeansOf(e.frame, rig.camera.full_scale, {&region, 1});
+    const FrameMeans means = MeansOf(e.frame, rig.camera.full_scale, {&region, 1}, e.colour);
     if (means.pixels[c] == 0) continue;
     reading.electrons = means.counts[c] * rig.radiometry.electrons_per_count - reading.dark;
     reading.gain = rig.radiometry.responsivity[c] * e.monitor * exposure * region.light;
@@ -237,17 +237,16 @@ void Believe(const Calibrations& calibrations, RigConfig* rig) {
   }
 }
 
-Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, Seconds exposure,
+Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, const Rgb& exposures,
                   const RigConfig& rig) {
   const RadiometryConfig& r = rig.radiometry;
   Rgb sigma = Rgb::Constant(std::numeric_limits<double>::infinity());
-  const double light = pair.cos_theta_i() * rig.light_level * exposure.count();
-  if (!(light > 0)) return sigma;
-  const Reading dark{
-      .electrons = 0, .gain = 0, .dark = r.dark_current * exposure.count(), .pixels = 0};
   const Rgb pixels = ExpectedPixels(pair, rig);
   for (int c = 0; c < kChannels; ++c) {
-    Reading reading = dark;
+    const double light = pair.cos_theta_i() * rig.light_level * exposures[c];
+    if (!(light > 0)) continue;
+    Reading reading;
+    reading.dark = r.dark_current * exposures[c];
     reading.pixels = pixels[c];
     reading.gain = r.responsivity[c] * light;
     sigma[c] = std::sqrt(Variance(reading, f_r[c], r)) / reading.gain;

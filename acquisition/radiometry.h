@@ -41,8 +41,9 @@ std::vector<BrdfSample> Reduce(const PoseRecord& pose, const RigConfig& rig);
 // exposures, and the noise that planners expect.
 void Believe(const Calibrations& calibrations, RigConfig* rig);
 
-// The sigma [1/sr] it would give for one frame without saturation, if f_r were this.
-Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, Seconds exposure,
+// The sigma [1/sr] it would give for one frame without saturation, if f_r were this; of a light
+// with colours for one frame in each. `exposures`: of each channel [s].
+Rgb ExpectedSigma(const DirectionPair& pair, const Rgb& f_r, const Rgb& exposures,
                   const RigConfig& rig);
 
 }  // namespace gonio

@@ -67,7 +67,8 @@ Result<ReferenceRecord> ReferenceVisits::Visit(PoseMeasurer& measurer, int poses
     return Error{ErrorCode::kRefused, "no channel of the reference was measured"};
   }
   for (const Exposure& e : visit.record.exposures) {
-    visit.net.push_back(MeansOf(e.frame, rig_.camera.full_scale, visit.record.regions).counts);
+    visit.net.push_back(
+        MeansOf(e.frame, rig_.camera.full_scale, visit.record.regions, e.colour).counts);
   }
   if (!first_read_) first_read_ = visit.read;
   tracker_.Add(visit.read);

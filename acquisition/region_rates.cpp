@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "acquisition/light_colours.h"
 #include "acquisition/radiometry/hdr_merge.h"
 #include "acquisition/radiometry/region_statistics.h"
 
@@ -39,10 +40,14 @@ double ImageMean(const MergedImage& image, int channel) {
 
 class PoseReducer {
  public:
-  PoseReducer(const PoseRecord& pose, const RigConfig& rig, const Calibrations& calibrations)
+  // Of the frames lit in this colour; empty: of those of a light without.
+  PoseReducer(const PoseRecord& pose, const std::optional<LightColour>& colour,
+              const RigConfig& rig, const Calibrations& calibrations)
       : pose_(pose),
+        colour_(colour),
         rig_(rig),
         calibrations_(calibrations),
+        flat_(FlatFor(calibrations, colour)),
         sensor_(SensorModelOf(rig, calibrations)) {
     const RadiometryConfig& r = rig.radiometry;
     options_.shared_noise = std::hypot(r.multiplicative_noise, r.monitor_noise);
@@ -58,13 +63,14 @@ class PoseReducer {
 
   Result<std::vector<RegionRates>> Run() {
     for (const Exposure& exposure : pose_.exposures) {
+      if (exposure.colour != colour_) continue;
       if (auto added = AddFrame(exposure); !added) return added.error();
     }
     auto merged = Merge(frames_, options_);
     if (!merged) return merged.error();
     merged_ = std::move(merged).value();
-    if (calibrations_.flat) {
-      if (auto done = ApplyFlatField(*calibrations_.flat, &merged_); !done) return done.error();
+    if (flat_ != nullptr) {
+      if (auto done = ApplyFlatField(*flat_, &merged_); !done) return done.error();
     }
     std::vector<RegionRates> rates;
     for (const ImageRegion& region : pose_.regions) rates.push_back(Rates(region));
@@ -93,6 +99,7 @@ class PoseReducer {
     const auto statistics = StatisticsOf(merged_, region.pixels, region.lights, outlier);
     RegionRates rates;
     for (int c = 0; c < kChannels; ++c) {
+      if (colour_ && ChannelOf(*colour_) != c) continue;
       rates[static_cast<std::size_t>(c)] = Rate(region, c, statistics[static_cast<std::size_t>(c)]);
     }
     return rates;
@@ -108,8 +115,8 @@ class PoseReducer {
     rate.rate = same_light ? statistics.mean : statistics.mean * statistics.light;
     const std::vector<std::uint32_t> sites = SitesOf(merged_.format, region, c);
     AddNoise(sites, statistics.used, &rate);
-    if (calibrations_.flat) {
-      At(&rate, Term::kFlat) = FlatTerm(*calibrations_.flat, sites) * std::abs(rate.rate);
+    if (flat_ != nullptr) {
+      At(&rate, Term::kFlat) = FlatTerm(*flat_, sites) * std::abs(rate.rate);
     } else {
       At(&rate, Term::kFlat) =
           rig_.imaging.resolves_directions()
@@ -176,8 +183,10 @@ class PoseReducer {
   }
 
   const PoseRecord& pose_;
+  const std::optional<LightColour> colour_;
   const RigConfig& rig_;
   const Calibrations& calibrations_;
+  const FlatField* const flat_;
   const SensorModel sensor_;
   MergeOptions options_;
   std::vector<CorrectedFrame> frames_;
@@ -254,7 +263,18 @@ Result<std::vector<RegionRates>> MeasureRates(const PoseRecord& pose, const RigC
   if (pose.regions.empty() || pose.exposures.empty()) {
     return std::vector<RegionRates>(pose.regions.size());
   }
-  return PoseReducer(pose, rig, calibrations).Run();
+  if (!pose.exposures.front().colour) return PoseReducer(pose, {}, rig, calibrations).Run();
+  std::vector<RegionRates> all(pose.regions.size());
+  for (const LightColour colour : kLightColours) {
+    const bool lit = std::any_of(pose.exposures.begin(), pose.exposures.end(),
+                                 [&](const Exposure& e) { return e.colour == colour; });
+    if (!lit) continue;
+    const auto rates = PoseReducer(pose, colour, rig, calibrations).Run();
+    if (!rates) return rates;
+    const auto c = static_cast<std::size_t>(ChannelOf(colour));
+    for (std::size_t i = 0; i < all.size(); ++i) all[i][c] = (*rates)[i][c];
+  }
+  return all;
 }
 
 }  // namespace gonio

@@ -6,6 +6,9 @@
 //
 //   rate = R f_r      electrons/s, per unit of ImageRegion::light, at light 1
 //
+// Frames lit in a colour of the light are merged apart from those in another, with the flat field
+// of that colour, and say the rate of its channel.
+//
 // R is the responsivity, which a standard tells (calibration/) and with which f_r is told
 // (radiometry.h). What no file says is as RigConfig::radiometry says: gain, read noise, dark
 // current, noise of the light.

@@ -159,6 +159,48 @@ RadiometryConfig ReadRadiometry(const ConfigNode& node) {
   return radiometry;
 }
 
+FilterWheel ReadFilterWheel(const ConfigNode& node, bool simulated) {
+  FilterWheel wheel;
+  wheel.limits = ReadAxis(node, Range::Between(-720, 720));
+  const AxisLimits allowed = TargetLimits(wheel.limits);
+  const ConfigNode positions = node.Map("positions_deg");
+  for (std::size_t i = 0; i < wheel.positions.size(); ++i) {
+    const char* const name = ToString(kLightColours[i]);
+    wheel.positions[i] = RadFromDeg(positions.Number(name));
+    if (wheel.positions[i] < allowed.min_position || wheel.positions[i] > allowed.max_position) {
+      positions.Fail(name, "is outside min_deg .. max_deg, give or take approach_deg");
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      if (std::abs(wheel.positions[i] - wheel.positions[k]) > 2 * wheel.limits.position_tolerance) {
+        continue;
+      }
+      positions.Fail(name,
+                     fmt::format("is within tolerance_deg of {}", ToString(kLightColours[k])));
+    }
+  }
+  if (!simulated) wheel.device = ReadAxisDevice(node.Map("device"));
+  return wheel;
+}
+
+// Colours of the light, whichever way it has them. The camera was read before.
+void ReadColours(const ConfigNode& light, RigConfig& rig) {
+  const bool leds = light.Has("colours");
+  const bool wheel = light.Has("filter_wheel");
+  rig.by_colour = leds || wheel;
+  if (!rig.by_colour) return;
+  const char* const key = leds ? "colours" : "filter_wheel";
+  if (leds && wheel) light.Fail("filter_wheel", "the light has colours already (light.colours)");
+  if (rig.camera.layout != PixelLayout::kMono) {
+    light.Fail(key, fmt::format("camera.layout is {}: such a camera tells colours apart by itself "
+                                "and wants white light; only one of layout mono is lit by one "
+                                "colour after the other",
+                                ToString(rig.camera.layout)));
+  }
+  if (leds) rig.colour_channels = ReadColourChannels(light.Map(key));
+  if (wheel) rig.filter_wheel = ReadFilterWheel(light.Map(key), rig.simulated);
+  rig.colour_settle = Seconds(light.NumberOr("colour_settle_s", 0, Range::NonNegative()));
+}
+
 }  // namespace
 
 SensorFormat SensorFormatOf(const RigConfig& rig, const std::string& identity) {
@@ -174,6 +216,10 @@ SensorFormat SensorFormatOf(const RigConfig& rig, const std::string& identity) {
     format.gain_db = rig.camera_device.genicam.gain_db;
   }
   return format;
+}
+
+std::string LightFormatOf(const RigConfig& rig, const Light& light) {
+  return rig.by_colour ? light.identity() : std::string();
 }
 
 RigConfig ReadRig(const ConfigNode& root, std::string text) {
@@ -196,22 +242,26 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   if (motion.Has("park_deg")) rig.motion.park = ReadPark(motion.Map("park_deg"), rig.axes);
   rig.failures = ReadFailures(root);
   // The least is not zero: without light there is nothing to divide by.
+  const ConfigNode camera = root.Map("camera");
+  rig.camera = ReadCamera(camera);
   const ConfigNode light = root.Map("light");
+  ReadColours(light, rig);
   rig.light_level = light.Number("level", Range::Between(0.001, 1));
   if (light.Has("max_change")) {
     rig.max_light_change = light.Number("max_change", Range::Between(0, 1));
   }
   if (!rig.simulated) {
-    rig.light_device = ReadLightDevice(light.Map("device"));
+    rig.light_device = ReadLightDevice(light.Map("device"), rig.colour_channels);
     const ConfigNode monitor = root.Map("monitor");
     rig.monitor_device = ReadMonitorDevice(monitor.Map("device"));
+    if (rig.monitor_device.settings.colours.size() > 1 && !rig.by_colour) {
+      monitor.Fail("device", "has colours, but the light has none");
+    }
     if ((rig.light_device.driver == LightDevice::Driver::kSimulated) !=
         (rig.monitor_device.driver == MonitorDevice::Driver::kSimulated)) {
       monitor.Fail("device", "a simulated monitor sees a simulated light only, and a real a real");
     }
   }
-  const ConfigNode camera = root.Map("camera");
-  rig.camera = ReadCamera(camera);
   if (!rig.simulated && camera.Has("device")) {
     rig.camera_device = ReadCameraDevice(camera.Map("device"));
   }

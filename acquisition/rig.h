@@ -82,6 +82,13 @@ struct TimeModel {
   Seconds frame_overhead{0};                   // beside exposure and read-out
 };
 
+// A wheel of filters in front of the light or the camera.
+struct FilterWheel {
+  AxisLimits limits;
+  std::optional<AxisDevice> device;   // empty: simulated
+  std::array<double, 3> positions{};  // rad, by LightColour
+};
+
 struct RigConfig {
   std::string name;
   std::string text;                    // the file as it was read, frozen into the session
@@ -103,6 +110,12 @@ struct RigConfig {
   // Relative change of the light from before to after an exposure that is still steady; empty: not
   // looked at.
   std::optional<double> max_light_change;
+  // Whether each frame is lit by one colour of the light and stands for that channel alone: only
+  // with a mono camera, of which each pixel otherwise stands for all channels alike.
+  bool by_colour = false;
+  std::optional<ColourChannels> colour_channels;  // of the light's driver; or
+  std::optional<FilterWheel> filter_wheel;
+  Seconds colour_settle{0};     // waited after each change of colour
   int dense_brackets = 3;       // frames per pose a dense scan would take, for time estimates
   Seconds dense_exposure{0.3};  // of each of them, on average
   CameraInfo camera;
@@ -126,6 +139,9 @@ struct Devices {
 // What frames of this rig's camera must share with those of a calibration. Full scale is the rig's:
 // a sensor may be full before its converter is. `identity`: Camera::identity().
 SensorFormat SensorFormatOf(const RigConfig& rig, const std::string& identity);
+// What calibrations that depend on the light must share: Light::identity() of a light with colours,
+// otherwise empty.
+std::string LightFormatOf(const RigConfig& rig, const Light& light);
 
 // Reads the rig part of a rig file such as configs/sim-rig.yaml. Leaves `root` open: the caller
 // reads the `simulation` or device part and then calls root.RefuseUnknownKeys(). Throws

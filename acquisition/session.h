@@ -116,7 +116,7 @@ struct SessionSummary {
   Seconds duration{0};     // session clock, from the first home to the last exposure
   Seconds preparation{0};  // of it: homing
   Seconds travel{0};       // of it: axes moving
-  Seconds exposing{0};     // of it: exposures and their read-out
+  Seconds exposing{0};     // of it: exposures and their read-out, changes of colour
   std::vector<SessionPose> poses;
   int reference_visits = 0;
   bool clean_up_failed = false;           // the light may still be on, or an axis move

@@ -9,6 +9,7 @@
 #include "acquisition/exposure.h"
 #include "acquisition/image_regions.h"
 #include "acquisition/kinematics.h"
+#include "acquisition/light_colours.h"
 #include "acquisition/radiometry.h"
 #include "acquisition/time_estimate.h"
 
@@ -45,10 +46,25 @@ class Starts {
   std::size_t next_ = 0;
 };
 
-// The first frame of a pose where f_r is foretold.
-Seconds FrameFor(const DirectionPair& pair, const Rgb& f_r, const RigConfig& rig) {
+// The first frame of a pose where f_r is foretold, for each channel [s]: the same one, or one in
+// each colour.
+Rgb FramesFor(const DirectionPair& pair, const Rgb& f_r, const RigConfig& rig) {
   const double cos_theta_i = std::max(pair.cos_theta_i(), 0.0);
-  return FirstExposure(CountRates(f_r, cos_theta_i, rig.light_level, rig.radiometry), rig);
+  const Rgb rates = CountRates(f_r, cos_theta_i, rig.light_level, rig.radiometry);
+  if (!rig.by_colour) return Rgb::Constant(FirstExposure(rates, rig).count());
+  Rgb exposures;
+  for (int c = 0; c < kChannels; ++c) {
+    Rgb own = Rgb::Zero();
+    own[c] = rates[c];
+    exposures[c] = FirstExposure(own, rig).count();
+  }
+  return exposures;
+}
+
+// Of one such frame, or three.
+double SecondsOf(const Rgb& exposures, const RigConfig& rig) {
+  if (!rig.by_colour) return (Seconds(exposures[0]) + ReadoutOf(rig)).count();
+  return exposures.sum() + kChannels * ReadoutOf(rig).count();
 }
 
 }  // namespace
@@ -63,17 +79,19 @@ SessionCosts CostsOn(const RigConfig& rig) {
     return end ? starts->kinematics().TravelTime(*start, *end).count() : 0.0;
   };
   costs.frame = [rig](const DirectionPair& pair, const Rgb& f_r) {
-    return (FrameFor(pair, f_r, rig) + ReadoutOf(rig)).count();
+    return SecondsOf(FramesFor(pair, f_r, rig), rig);
   };
-  costs.pose = [frame = costs.frame, settle = StandingOf(rig).count()](
-                   const DirectionPair& pair, const Rgb& f_r) { return settle + frame(pair, f_r); };
+  costs.pose = [frame = costs.frame, standing = (StandingOf(rig) + ColourChangesOf(rig)).count()](
+                   const DirectionPair& pair, const Rgb& f_r) {
+    return standing + frame(pair, f_r);
+  };
   costs.max_frames = rig.exposure.max_frames;
   return costs;
 }
 
 ExpectedNoise NoiseOn(const RigConfig& rig) {
   return [rig](const DirectionPair& pair, const Rgb& f_r) {
-    return ExpectedSigma(pair, f_r, FrameFor(pair, f_r, rig), rig);
+    return ExpectedSigma(pair, f_r, FramesFor(pair, f_r, rig), rig);
   };
 }
 

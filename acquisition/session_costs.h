@@ -19,6 +19,8 @@ namespace gonio {
 //
 // frame: such a frame and its read-out. max_frames: the rig's, for metering frames included.
 //
+// Of a light with colours a frame is one in each of them, and a pose has the changes between them.
+//
 // Each function remembers its last answers: for one thread, and the copies of a function too.
 SessionCosts CostsOn(const RigConfig& rig);
 

@@ -71,4 +71,11 @@ void CreateSessionTables(sqlite::Database& db) {
                  .c_str());
 }
 
+void BringSessionUpToDate(sqlite::Database& db) {
+  sqlite::Transaction transaction(db);
+  db.Execute("ALTER TABLE exposures ADD COLUMN colour TEXT");
+  db.Execute(fmt::format("PRAGMA user_version = {}", kSessionFormat).c_str());
+  transaction.Commit();
+}
+
 }  // namespace gonio

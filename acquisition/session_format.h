@@ -17,4 +17,7 @@ std::int64_t CheckSessionFormat(sqlite::Database& db);
 // An empty session: its tables, and the triggers that keep what is in them.
 void CreateSessionTables(sqlite::Database& db);
 
+// Gives a session of format kOldestResumedFormat the tables of this one. What is in it stays.
+void BringSessionUpToDate(sqlite::Database& db);
+
 }  // namespace gonio

@@ -9,6 +9,7 @@
 
 #include "acquisition/event_log.h"
 #include "acquisition/event_log_sqlite.h"
+#include "acquisition/light_colours.h"
 #include "acquisition/session_record.h"
 
 namespace gonio {
@@ -22,14 +23,21 @@ PixelLayout LayoutOf(const std::string& name) {
   return *found;
 }
 
-// The first format knows only cameras whose pixels have three counts, and says no more of them.
+// The first format knows only cameras whose pixels have three counts, and says no more of them; the
+// first three know white light only.
 const char* Select(std::int64_t version) {
-  return version >= 2 ? "SELECT exposure_s, black_level, monitor, start_s, saturated_red, "
-                        "saturated_green, saturated_blue, width, height, counts, gain_db, "
-                        "temperature_c, layout FROM exposures WHERE pose = ? ORDER BY frame"
-                      : "SELECT exposure_s, black_level, monitor, start_s, saturated_red, "
-                        "saturated_green, saturated_blue, width, height, counts, 0.0, NULL, 'rgb' "
-                        "FROM exposures WHERE pose = ? ORDER BY frame";
+  if (version >= 4) {
+    return "SELECT exposure_s, black_level, monitor, start_s, saturated_red, saturated_green, "
+           "saturated_blue, width, height, counts, gain_db, temperature_c, layout, colour FROM "
+           "exposures WHERE pose = ? ORDER BY frame";
+  }
+  return version >= 2
+             ? "SELECT exposure_s, black_level, monitor, start_s, saturated_red, "
+               "saturated_green, saturated_blue, width, height, counts, gain_db, "
+               "temperature_c, layout, NULL FROM exposures WHERE pose = ? ORDER BY frame"
+             : "SELECT exposure_s, black_level, monitor, start_s, saturated_red, "
+               "saturated_green, saturated_blue, width, height, counts, 0.0, NULL, 'rgb', NULL "
+               "FROM exposures WHERE pose = ? ORDER BY frame";
 }
 
 }  // namespace
@@ -72,6 +80,7 @@ std::vector<Exposure> SessionFrames::Of(int pose) {
       frame.gain_db = row.Real(10);
       if (!row.IsNull(11)) frame.temperature_c = row.Real(11);
       frame.layout = LayoutOf(row.Text(12));
+      if (!row.IsNull(13)) exposure.colour = ColourNamed(row.Text(13));
       const auto counts =
           static_cast<std::size_t>(frame.width) * frame.height * CountsPerPixel(frame.layout);
       if (bytes.size() != 2 * counts) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "acquisition/light_colours.h"
 #include "core/units.h"
 
 namespace gonio {
@@ -27,6 +28,13 @@ MeasurerState StateOf(const json& body, const ArmAngles& sent) {
   MeasurerState state{.told = found->at("told_rad").get<ArmAngles>(), .exposure = {}};
   if (found->contains("exposure_s")) {
     state.exposure = Seconds(found->at("exposure_s").get<double>());
+  }
+  if (found->contains("colour")) {
+    state.colour = ColourNamed(found->at("colour").get<std::string>());
+    for (std::size_t c = 0; c < state.rates.size(); ++c) {
+      const json& rate = found->at("rates_per_s").at(c);
+      if (!rate.is_null()) state.rates[c] = rate.get<double>();
+    }
   }
   return state;
 }
@@ -194,7 +202,8 @@ class Follower {
     so_far_.rejections_in_a_row = 0;
     summary.travel += pose.move_time;
     summary.frames += pose.frames;
-    summary.exposing += pose.exposed + static_cast<double>(pose.frames) * rig_.camera.readout;
+    summary.exposing += ColourChangesOf(rig_) + pose.exposed +
+                        static_cast<double>(pose.frames) * rig_.camera.readout;
     summary.poses.push_back({pose.samples, pose.end, planner_.PredictedError()});
   }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "acquisition/bracket_check.h"
+#include "acquisition/light_colours.h"
 #include "acquisition/radiometry.h"
 #include "core/check.h"
 
@@ -250,6 +251,7 @@ bool SessionLoop::VisitReference() {
 
 void SessionLoop::CountTime(const PoseRecord& record) {
   summary_.travel += record.move_time;
+  summary_.exposing += ColourChangesOf(parts_.rig);
   for (const Exposure& exposure : record.exposures) {
     summary_.exposing += exposure.frame.exposure + parts_.rig.camera.readout;
   }

@@ -152,6 +152,16 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) 
   return poses;
 }
 
+// Formats before the fourth know no colours of the light.
+std::map<std::string, int> CountByColour(sqlite::Database& db, std::int64_t version) {
+  std::map<std::string, int> frames;
+  if (version < 4) return frames;
+  sqlite::Statement row(
+      db, "SELECT colour, count(*) FROM exposures WHERE colour IS NOT NULL GROUP BY colour");
+  while (row.Step()) frames[row.Text(0)] = static_cast<int>(row.Integer(1));
+  return frames;
+}
+
 std::vector<SessionEvent> ReadEvents(sqlite::Database& db) {
   sqlite::Statement row(db, "SELECT seq, time_s, kind, body FROM events ORDER BY seq");
   std::vector<SessionEvent> events;
@@ -247,6 +257,7 @@ SessionRecord ReadSession(const std::filesystem::path& dir) {
     SessionRecord record;
     record.info = ReadInfo(db);
     record.poses = ReadPoses(db, version);
+    record.frames_by_colour = CountByColour(db, version);
     record.events = ReadEvents(db);
     record.end = FindEnd(record.events);
     CheckWhole(dir, record.poses);

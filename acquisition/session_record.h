@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -46,10 +47,11 @@ struct SessionEvent {
 
 struct SessionRecord {
   SessionInfo info;
-  std::vector<MeasuredPose> poses;        // those with a sample, in order
-  std::optional<MeasuredPose> unreduced;  // the last pose, if only its frames were kept
-  std::vector<SessionEvent> events;       // in order
-  std::optional<SessionEnd> end;          // empty: still running, or killed
+  std::vector<MeasuredPose> poses;              // those with a sample, in order
+  std::optional<MeasuredPose> unreduced;        // the last pose, if only its frames were kept
+  std::map<std::string, int> frames_by_colour;  // of the light, if it has colours
+  std::vector<SessionEvent> events;             // in order
+  std::optional<SessionEnd> end;                // empty: still running, or killed
 
   std::vector<BrdfSample> Samples() const;
 };

@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "acquisition/event_log.h"
 #include "acquisition/event_log_sqlite.h"
@@ -27,7 +30,7 @@ class Rescue {
   Rescue(const fs::path& from, const fs::path& to)
       : from_(from / kSessionFile, SQLITE_OPEN_READONLY),
         to_(to / kSessionFile, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE) {
-    if (SessionVersion(from_) != kSessionFormat) {
+    if (SessionVersion(from_) < kOldestResumedFormat) {
       throw ConfigError(from.string() + ": is of an older format, which cannot be rescued");
     }
   }
@@ -107,9 +110,9 @@ class Rescue {
   // Copies; empty: it went well.
   std::optional<std::string> WhyLost(int pose, int number, const json& body) {
     try {
-      if (CopyRows("poses", 20, pose, number) != 1) return "has no row";
+      if (CopyRows("poses", pose, number) != 1) return "has no row";
       const auto frames = body.at("frames_sha256").get<std::vector<std::string>>();
-      if (CopyRows("exposures", 15, pose, number) != static_cast<int>(frames.size())) {
+      if (CopyRows("exposures", pose, number) != static_cast<int>(frames.size())) {
         return "misses frames";
       }
       sqlite::Statement row(from_, "SELECT counts FROM exposures WHERE pose = ? ORDER BY frame");
@@ -137,16 +140,29 @@ class Rescue {
   }
 
   bool CopySamples(int pose, int number) {
-    const int copied = CopyRows("samples", 24, pose, number);
+    const int copied = CopyRows("samples", pose, number);
     return copied > 0;
   }
 
+  // Of the damaged session's table, which may be of an older format than ours, or in another order.
+  std::vector<std::string> ColumnsOf(const char* table) {
+    std::vector<std::string> columns;
+    sqlite::Statement row(from_,
+                          fmt::format("SELECT name FROM pragma_table_info('{}')", table).c_str());
+    while (row.Step()) columns.push_back(row.Text(0));
+    return columns;
+  }
+
   // Of a table whose first column is the pose. Returns how many.
-  int CopyRows(const char* table, int columns, int pose, int number) {
+  int CopyRows(const char* table, int pose, int number) {
+    const std::vector<std::string> columns = ColumnsOf(table);
     std::string places = "?";
-    for (int i = 1; i < columns; ++i) places += ", ?";
-    sqlite::Statement row(from_, fmt::format("SELECT * FROM {} WHERE pose = ?", table).c_str());
-    sqlite::Statement insert(to_, fmt::format("INSERT INTO {} VALUES ({})", table, places).c_str());
+    for (std::size_t i = 1; i < columns.size(); ++i) places += ", ?";
+    const std::string names = fmt::format("{}", fmt::join(columns, ", "));
+    sqlite::Statement row(from_,
+                          fmt::format("SELECT {} FROM {} WHERE pose = ?", names, table).c_str());
+    sqlite::Statement insert(
+        to_, fmt::format("INSERT INTO {} ({}) VALUES ({})", table, names, places).c_str());
     row.Bind(pose);
     int rows = 0;
     for (; row.Step(); ++rows) {

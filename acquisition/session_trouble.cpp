@@ -169,7 +169,8 @@ Result<std::optional<ReferenceNote>> SessionLoop::TryToRecover(FailureClass fail
   }
   const Result<void> ready = [&] {
     const SessionAbort abort(stop_.now, parts_.interlocks);
-    return failure == FailureClass::kAxis ? measurer_.Prepare(abort.token()) : measurer_.SwitchOn();
+    return failure == FailureClass::kAxis ? measurer_.Prepare(abort.token())
+                                          : measurer_.SwitchOn(abort.token());
   }();
   if (!ready) return ready.error();
   return LookBack(before);

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "acquisition/kinematics.h"
+#include "acquisition/light_colours.h"
 #include "core/check.h"
 #include "planner/candidates.h"
 #include "planner/sequence_planner.h"
@@ -48,7 +49,8 @@ TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> p
 Seconds NominalExposing(const RigConfig& rig) {
   const Seconds exposure =
       std::clamp(rig.dense_exposure, rig.camera.min_exposure, rig.camera.max_exposure);
-  return rig.dense_brackets * (exposure + ReadoutOf(rig));
+  const int colours = static_cast<int>(ColoursInTurn(rig).size());
+  return colours * rig.dense_brackets * (exposure + ReadoutOf(rig)) + ColourChangesOf(rig);
 }
 
 TimeEstimate EstimateDenseScan(const RigConfig& rig, Seconds exposing_per_pose, double keep_rows) {

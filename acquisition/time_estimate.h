@@ -16,7 +16,7 @@ struct TimeEstimate {
   int poses = 0;
   Seconds travel{0};    // the slowest axis of each move, trapezoidal profiles
   Seconds settling{0};  // waiting after each move
-  Seconds exposing{0};  // frames and their read-out
+  Seconds exposing{0};  // frames, their read-out, and changes of the light's colour
   Seconds total() const { return travel + settling + exposing; }
 };
 
@@ -28,13 +28,13 @@ Seconds ReadoutOf(const RigConfig& rig);
 // One pose = move + settle + exposing. Poses are visited in the order given, starting at the first
 // one; those out of reach are left out. Homing is not counted.
 //
-// `exposing_per_pose`: frames and their read-out. Take it from a session on the same rig and
+// `exposing_per_pose`: as above. Take it from a session on the same rig and
 // material when there is one; NominalExposing() otherwise.
 TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> poses,
                           Seconds exposing_per_pose);
 
 // rig.dense_brackets frames of rig.dense_exposure (0.3 s by default, the lab stage preset of the
-// published rigs), clamped to what the camera can do.
+// published rigs), clamped to what the camera can do; of a light with colours in each of them.
 Seconds NominalExposing(const RigConfig& rig);
 
 // The dense reference, as configs/plan-grid.yaml scans it: every reachable pose of the 90 x 90 MERL

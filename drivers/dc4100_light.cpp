@@ -37,7 +37,7 @@ Result<std::unique_ptr<Light>> Dc4100Light::Open(std::unique_ptr<ByteLink> link,
 
 Dc4100Light::~Dc4100Light() {
   // It is too late to tell anybody that it failed.
-  (void)Set(fmt::format("o {} 0", settings_.channel)).ok();
+  for (const Dc4100Led& led : settings_.leds) (void)Set(fmt::format("o {} 0", led.channel)).ok();
 }
 
 Result<void> Dc4100Light::Prepare() {
@@ -47,28 +47,47 @@ Result<void> Dc4100Light::Prepare() {
   if (!serial) return serial.error();
   const auto firmware = Ask("v?");
   if (!firmware) return firmware.error();
-  if (const auto off = SetTo("o", 0); !off) return off;
-  const auto limit = Number("l?");
+  if (const auto off = SwitchOff(); !off) return off;
+  if (const auto mode = Set("m 0"); !mode) return mode;
+  identity_ = fmt::format("{} {} {}", *model, *serial, *firmware);
+  for (std::size_t i = 0; i < settings_.leds.size(); ++i) {
+    const auto text = PrepareLed(settings_.leds[i]);
+    if (!text) return text.error();
+    const std::string colour = has_colours() ? ToString(kLightColours[i]) + std::string(" ") : "";
+    identity_ += fmt::format("{} {}{}", i == 0 ? "," : ";", colour, *text);
+  }
+  return {};
+}
+
+Result<void> Dc4100Light::SwitchOff() {
+  if (has_colours()) {
+    if (const auto all = Set("o -1 0"); !all) return all;
+  }
+  for (const Dc4100Led& led : settings_.leds) {
+    if (const auto off = SetTo("o", led.channel, 0); !off) return off;
+  }
+  return {};
+}
+
+Result<std::string> Dc4100Light::PrepareLed(const Dc4100Led& led) {
+  const auto limit = Number("l?", led.channel);
   if (!limit) return limit.error();
-  const auto most = Number("ml?");
+  const auto most = Number("ml?", led.channel);
   if (!most) return most.error();
   const double highest = kMilli * std::min(*limit, *most);
   // Also true of NaN.
-  if (!(settings_.full_current > 0 && settings_.full_current <= highest)) {
+  if (!(led.full_current > 0 && led.full_current <= highest)) {
     return Refused(
         fmt::format("a full current of {:.4g} A is outside 0 .. {:.4g} A, the limit of "
                     "channel {}",
-                    settings_.full_current, highest, settings_.channel));
+                    led.full_current, highest, led.channel));
   }
-  if (const auto mode = Set("m 0"); !mode) return mode;
-  const auto head = AskChannel("hs?");
+  const auto head = Ask(fmt::format("hs? {}", led.channel));
   if (!head) return head.error();
-  const auto wavelength = AskChannel("wl?");
+  const auto wavelength = Ask(fmt::format("wl? {}", led.channel));
   if (!wavelength) return wavelength.error();
-  identity_ = fmt::format(
-      "{} {} {}, channel {}: LED {}, {}, constant current, full {:.4g} A, limit {:.4g} A", *model,
-      *serial, *firmware, settings_.channel, *head, *wavelength, settings_.full_current, highest);
-  return {};
+  return fmt::format("channel {}: LED {}, {}, constant current, full {:.4g} A, limit {:.4g} A",
+                     led.channel, *head, *wavelength, led.full_current, highest);
 }
 
 Result<std::string> Dc4100Light::Exchange(const std::string& question) {
@@ -85,12 +104,8 @@ Result<std::string> Dc4100Light::Ask(const std::string& question) {
   return AskedTwice([&] { return Exchange(question); });
 }
 
-Result<std::string> Dc4100Light::AskChannel(const std::string& question) {
-  return Ask(fmt::format("{} {}", question, settings_.channel));
-}
-
-Result<double> Dc4100Light::Number(const std::string& question) {
-  const std::string asked = fmt::format("{} {}", question, settings_.channel);
+Result<double> Dc4100Light::Number(const std::string& question, int channel) {
+  const std::string asked = fmt::format("{} {}", question, channel);
   return AskedTwice([&]() -> Result<double> {
     const auto answer = Exchange(asked);
     return answer ? NumberIn(*answer, fmt::format("{}: {}", link_->name(), asked)) : answer.error();
@@ -110,14 +125,21 @@ Result<void> Dc4100Light::Set(const std::string& command) {
   return Refused(fmt::format("{}: refused \"{}\": {}", link_->name(), command, Quoted(*answer)));
 }
 
-Result<void> Dc4100Light::SetTo(const std::string& setting, int value) {
-  const auto set = Set(fmt::format("{} {} {}", setting, settings_.channel, value));
+Result<void> Dc4100Light::SetTo(const std::string& setting, int channel, int value) {
+  const auto set = Set(fmt::format("{} {} {}", setting, channel, value));
   if (!set) return set;
-  const auto got = Number(setting + "?");
+  const auto got = Number(setting + "?", channel);
   if (!got) return got.error();
   if (*got == value) return {};
-  return Refused(
-      fmt::format("{}: {} was set to {} and reads {:.6g}", link_->name(), setting, value, *got));
+  return Refused(fmt::format("{}: {} of channel {} was set to {} and reads {:.6g}", link_->name(),
+                             setting, channel, value, *got));
+}
+
+Result<void> Dc4100Light::Drive(double level) {
+  const auto milliamperes = static_cast<int>(std::lround(level * lit().full_current / kMilli));
+  const auto set =
+      level == 0 ? SetTo("o", lit().channel, 0) : SetTo("cc", lit().channel, milliamperes);
+  return set && level > 0 ? SetTo("o", lit().channel, 1) : set;
 }
 
 Result<void> Dc4100Light::SetLevel(double level) {
@@ -125,19 +147,61 @@ Result<void> Dc4100Light::SetLevel(double level) {
   if (!(level >= 0 && level <= 1)) {
     return Named(Refused(fmt::format("set level: {} is outside 0 .. 1", level)));
   }
-  const int milliamperes = static_cast<int>(std::lround(level * settings_.full_current / kMilli));
-  auto done = level == 0 ? SetTo("o", 0) : SetTo("cc", milliamperes);
-  if (done && level > 0) done = SetTo("o", 1);
+  const auto done = Drive(level);
   return done ? done : Named(done.error());
 }
 
-Result<double> Dc4100Light::Level() {
-  const auto on = Number("o?");
-  if (!on) return Named(on.error());
+Result<double> Dc4100Light::LitLevel() {
+  const auto on = Number("o?", lit().channel);
+  if (!on) return on.error();
   if (*on == 0) return 0.0;
-  const auto milliamperes = Number("cc?");
-  if (!milliamperes) return Named(milliamperes.error());
-  return kMilli * *milliamperes / settings_.full_current;
+  const auto milliamperes = Number("cc?", lit().channel);
+  if (!milliamperes) return milliamperes.error();
+  return kMilli * *milliamperes / lit().full_current;
+}
+
+Result<double> Dc4100Light::Level() {
+  auto level = LitLevel();
+  return level ? level : Named(level.error());
+}
+
+Result<void> Dc4100Light::Change(std::size_t led) {
+  const auto level = LitLevel();
+  if (!level) return level.error();
+  for (const Dc4100Led& other : settings_.leds) {
+    if (&other == &settings_.leds[led]) continue;
+    if (const auto off = SetTo("o", other.channel, 0); !off) return off;
+  }
+  selected_ = led;
+  return Drive(*level);
+}
+
+Result<void> Dc4100Light::Select(LightColour colour, std::stop_token stop) {
+  if (!has_colours()) return Light::Select(colour, std::move(stop));
+  const auto done = Change(static_cast<std::size_t>(colour));
+  return done ? done : Named(done.error());
+}
+
+Result<std::optional<LightColour>> Dc4100Light::Lit() {
+  std::optional<LightColour> lit;
+  for (const LightColour colour : kLightColours) {
+    const auto on = Number("o?", settings_.leds[static_cast<std::size_t>(colour)].channel);
+    if (!on) return on.error();
+    if (*on == 0) continue;
+    if (lit) {
+      return Error{ErrorCode::kProtocol,
+                   fmt::format("{}: {} and {} are on at the same time", link_->name(),
+                               ToString(*lit), ToString(colour))};
+    }
+    lit = colour;
+  }
+  return lit;
+}
+
+Result<std::optional<LightColour>> Dc4100Light::Selected() {
+  if (!has_colours()) return std::optional<LightColour>();
+  auto lit = Lit();
+  return lit ? lit : Named(lit.error());
 }
 
 Error Dc4100Light::Named(const Error& error) const {

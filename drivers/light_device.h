@@ -3,8 +3,11 @@
 
 #pragma once
 
+#include <array>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/config.h"
 #include "drivers/dc2200_light.h"
@@ -15,14 +18,17 @@
 
 namespace gonio {
 
+// The channels of red, green and blue on a driver of several LEDs.
+using ColourChannels = std::array<int, 3>;
+
 struct LightDevice {
   enum class Driver { kSimulated, kDc2200, kDc4100 };
   std::string where;  // in the rig file: "rig.yaml:60: light.device"
   Driver driver = Driver::kSimulated;
-  std::string usb_serial;   // kDc2200; empty: the only one that is plugged in
-  SerialSettings port;      // kDc4100
-  int channel = 0;          // kDc4100
-  double full_current = 0;  // A at level 1
+  std::string usb_serial;       // kDc2200; empty: the only one that is plugged in
+  double full_current = 0;      // kDc2200; A at level 1
+  SerialSettings port;          // kDc4100
+  std::vector<Dc4100Led> leds;  // kDc4100: one, or red, green and blue
 };
 
 struct MonitorDevice {
@@ -35,8 +41,11 @@ struct MonitorDevice {
 
 // Read the `device` mappings of `light` and `monitor` in a rig file; docs/rig-files.md lists their
 // keys. Throw ConfigError.
-LightDevice ReadLightDevice(const ConfigNode& node);
+// `colours`: the rig's `light.colours`, if it has them; a driver of one LED refuses them.
+LightDevice ReadLightDevice(const ConfigNode& node, const std::optional<ColourChannels>& colours);
 MonitorDevice ReadMonitorDevice(const ConfigNode& node);
+// The mapping `light.colours`: red, green and blue, each a channel of its own.
+ColourChannels ReadColourChannels(const ConfigNode& node);
 
 // Open a device that is not simulated, switched off, and its settings made. Errors name it by
 // `name`. kRefused: not there, not permitted, not what the file says, or it cannot do it.

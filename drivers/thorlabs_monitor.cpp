@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/check.h"
 #include "drivers/deadline.h"
 #include "drivers/wire_text.h"
 
@@ -55,22 +56,32 @@ Result<std::unique_ptr<Monitor>> ThorlabsMonitor::Open(std::unique_ptr<MessageLi
 }
 
 Result<void> ThorlabsMonitor::Prepare() {
-  // Also true of NaN.
-  if (!(settings_.reference > 0) || !std::isfinite(settings_.reference)) {
-    return Refused(fmt::format("a reference power of {} W is not above 0", settings_.reference));
+  GONIO_CHECK(!settings_.colours.empty(), "a wavelength and a power");
+  for (const MonitoredLight& light : settings_.colours) {
+    // Also true of NaN.
+    if (!(light.reference > 0) || !std::isfinite(light.reference)) {
+      return Refused(fmt::format("a reference power of {} W is not above 0", light.reference));
+    }
   }
   const auto sensor = Sensor();
   if (!sensor) return sensor.error();
   if (const auto power = meter_->Command("CONF:POW"); !power) return power;
   if (const auto watt = meter_->Command("SENS:POW:UNIT W"); !watt) return watt;
-  if (const auto set = SetWavelength(); !set) return set;
-  if (const auto set = Set("SENS:AVER", settings_.averaging, 0); !set) return set;
+  if (const auto known = CheckWavelengths(); !known) return known;
+  const auto set = Set("SENS:CORR:WAV", settings_.colours.front().wavelength_nm, kWavelengthStep);
+  if (!set) return set;
+  if (const auto count = Set("SENS:AVER", settings_.averaging, 0); !count) return count;
   const auto range = SetRange();
   if (!range) return range.error();
   says_when_ready_ = SaysWhenReady(meter_->identity());
-  identity_ = fmt::format("{}, sensor {}, {:.6g} nm, {} averaged, {}, 1 is {:.6g} W",
-                          meter_->identity(), *sensor, settings_.wavelength_nm, settings_.averaging,
-                          *range, settings_.reference);
+  std::string wavelengths, powers;
+  for (const MonitoredLight& light : settings_.colours) {
+    const char* const slash = wavelengths.empty() ? "" : " / ";
+    wavelengths += fmt::format("{}{:.6g}", slash, light.wavelength_nm);
+    powers += fmt::format("{}{:.6g}", slash, light.reference);
+  }
+  identity_ = fmt::format("{}, sensor {}, {} nm, {} averaged, {}, 1 is {} W", meter_->identity(),
+                          *sensor, wavelengths, settings_.averaging, *range, powers);
   return {};
 }
 
@@ -92,17 +103,28 @@ Result<std::string> ThorlabsMonitor::Sensor() {
   return fmt::format("{} {} calibrated {}", fields[0], fields[1], fields[2]);
 }
 
-Result<void> ThorlabsMonitor::SetWavelength() {
+Result<void> ThorlabsMonitor::CheckWavelengths() {
   const auto least = meter_->Number("SENS:CORR:WAV? MIN");
   if (!least) return least.error();
   const auto most = meter_->Number("SENS:CORR:WAV? MAX");
   if (!most) return most.error();
-  // Also true of NaN.
-  if (!(settings_.wavelength_nm >= *least && settings_.wavelength_nm <= *most)) {
-    return Refused(fmt::format("{:.6g} nm is outside {:.6g} .. {:.6g} nm, the sensor's own",
-                               settings_.wavelength_nm, *least, *most));
+  for (const MonitoredLight& light : settings_.colours) {
+    // Also true of NaN.
+    if (!(light.wavelength_nm >= *least && light.wavelength_nm <= *most)) {
+      return Refused(fmt::format("{:.6g} nm is outside {:.6g} .. {:.6g} nm, the sensor's own",
+                                 light.wavelength_nm, *least, *most));
+    }
   }
-  return Set("SENS:CORR:WAV", settings_.wavelength_nm, kWavelengthStep);
+  return {};
+}
+
+Result<void> ThorlabsMonitor::Expect(LightColour colour) {
+  const auto index = static_cast<std::size_t>(colour);
+  if (settings_.colours.size() == 1 || index == expected_) return {};
+  const auto set = Set("SENS:CORR:WAV", settings_.colours.at(index).wavelength_nm, kWavelengthStep);
+  if (!set) return Named(set.error());
+  expected_ = index;
+  return {};
 }
 
 // In words.
@@ -135,7 +157,7 @@ Result<void> ThorlabsMonitor::Set(const std::string& setting, double value, doub
 Result<double> ThorlabsMonitor::Read() {
   const auto power = Power();
   if (!power) return Named(power.error());
-  return *power / settings_.reference;
+  return *power / settings_.colours[expected_].reference;
 }
 
 Result<double> ThorlabsMonitor::Power() {

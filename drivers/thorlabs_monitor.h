@@ -6,18 +6,24 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "drivers/light.h"
 #include "drivers/scpi.h"
 
 namespace gonio {
 
-struct ThorlabsMonitorSettings {
-  std::string name;          // in every error message
+struct MonitoredLight {
   double wavelength_nm = 0;  // that the meter converts its current to power for; > 0
-  int averaging = 1;         // readings of the meter that make one of ours; > 0
-  double range = 0;          // W, the least that must fit; 0: the meter chooses
   double reference = 0;      // W, > 0: the power at calibration, which reads 1
+};
+
+struct ThorlabsMonitorSettings {
+  std::string name;  // in every error message
+  // One for whatever light there is; or three, by LightColour.
+  std::vector<MonitoredLight> colours;
+  int averaging = 1;  // readings of the meter that make one of ours; > 0
+  double range = 0;   // W, the least that must fit; 0: the meter chooses
   Seconds reply_limit = scpi::Instrument::kReplyLimit;
   // For a reading. The meter gives up by itself after ten seconds and must not be spoken to before.
   Seconds reading_limit{12};
@@ -36,6 +42,8 @@ class ThorlabsMonitor final : public Monitor {
   const std::string& name() const override { return settings_.name; }
   const std::string& identity() const override { return identity_; }
   Result<double> Read() override;
+  // Sets the wavelength, where each colour has its own.
+  Result<void> Expect(LightColour colour) override;
 
  private:
   ThorlabsMonitor(std::unique_ptr<scpi::Instrument> meter, const ThorlabsMonitorSettings& settings)
@@ -43,7 +51,7 @@ class ThorlabsMonitor final : public Monitor {
 
   Result<void> Prepare();
   Result<std::string> Sensor();
-  Result<void> SetWavelength();
+  Result<void> CheckWavelengths();
   Result<std::string> SetRange();
   Result<void> AwaitReading();
   Result<double> Power();
@@ -54,6 +62,7 @@ class ThorlabsMonitor final : public Monitor {
   const std::unique_ptr<scpi::Instrument> meter_;
   const ThorlabsMonitorSettings settings_;
   std::string identity_;
+  std::size_t expected_ = 0;  // index into the colours
   bool says_when_ready_ = false;
 };
 

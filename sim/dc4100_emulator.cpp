@@ -84,7 +84,7 @@ void Dc4100Emulator::Set(const std::string& name, int index, const std::string& 
   text >> number;
   const bool whole = !text.fail() && text.eof();
   if (name == "o" && whole && (number == 0 || number == 1)) {
-    channel.on = number == 1;
+    if (!channel.stuck) channel.on = number == 1;
   } else if (name == "cc" && mode_ != 0) {
     Fail(3, "Not in this mode");
   } else if (name == "cc" && whole && number >= 0 && number <= channel.user_limit) {
@@ -100,6 +100,11 @@ double Dc4100Emulator::Current(int channel) const {
   const std::lock_guard lock(mutex_);
   const Channel& led = channels_[static_cast<std::size_t>(channel)];
   return led.on ? 1e-3 * led.milliamperes : 0;
+}
+
+void Dc4100Emulator::set_stuck(int channel) {
+  const std::lock_guard lock(mutex_);
+  channels_[static_cast<std::size_t>(channel)].stuck = true;
 }
 
 void Dc4100Emulator::TurnByHand(int channel, int milliamperes) {

@@ -21,10 +21,13 @@ class Dc4100Emulator {
 
   double Current(int channel) const;               // A, through the LED
   void TurnByHand(int channel, int milliamperes);  // at the knob; 0 switches off
+  // It is neither switched on nor off from now on, and no error is noted.
+  void set_stuck(int channel);
 
  private:
   struct Channel {
     bool on = true;  // as somebody else left it
+    bool stuck = false;
     int milliamperes = 30;
     int user_limit = 800;
     int most = 1000;

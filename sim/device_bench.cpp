@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
 #include <string_view>
 #include <utility>
 
@@ -49,17 +51,27 @@ SerialAdapter AdapterFor(const std::string& port, int number, const std::string&
 
 struct DeviceBench::Instruments {
   explicit Instruments(const BenchDevices& devices)
-      : of_light(devices.light), power_at_full(devices.monitor.settings.reference) {}
+      : of_light(devices.light), monitored(devices.monitor.settings.colours) {}
 
+  // W of that LED at full current.
+  double AtFull(std::size_t led) const {
+    return monitored.empty() ? 1 : monitored[std::min(led, monitored.size() - 1)].reference;
+  }
+  std::size_t Leds() const { return of_light.leds.empty() ? 1 : of_light.leds.size(); }
+  // Its current over full current.
+  double Relative(std::size_t led) const {
+    if (of_light.leds.empty()) return dc2200.Current() / of_light.full_current;
+    return dc4100.Current(of_light.leds[led].channel) / of_light.leds[led].full_current;
+  }
   // W that fall on the monitor's sensor.
   double Power() const {
-    const bool serial = of_light.driver == LightDevice::Driver::kDc4100;
-    const double current = serial ? dc4100.Current(of_light.channel) : dc2200.Current();
-    return power_at_full * current / of_light.full_current;
+    double sum = 0;
+    for (std::size_t i = 0; i < Leds(); ++i) sum += AtFull(i) * Relative(i);
+    return sum;
   }
 
   const LightDevice of_light;
-  const double power_at_full;
+  const std::vector<MonitoredLight> monitored;
   Dc2200Emulator dc2200;
   Dc4100Emulator dc4100;
   PtyServer serial_light{[this](std::string_view bytes) { return dc4100.Receive(bytes); }};
@@ -81,7 +93,19 @@ DeviceBench::DeviceBench(const BenchDevices& devices, std::shared_ptr<Clock> clo
 DeviceBench::~DeviceBench() = default;
 
 double DeviceBench::LampPower() const {
-  return instruments_->Power() / instruments_->power_at_full;
+  double sum = 0;
+  for (std::size_t i = 0; i < instruments_->Leds(); ++i) sum += instruments_->Relative(i);
+  return sum;
+}
+
+std::optional<LightColour> DeviceBench::LampColour() const {
+  std::optional<LightColour> on;
+  for (std::size_t i = 0; i < instruments_->Leds() && i < std::size(kLightColours); ++i) {
+    if (instruments_->Relative(i) <= 0) continue;
+    if (on) return std::nullopt;
+    on = kLightColours[i];
+  }
+  return on;
 }
 
 void DeviceBench::PlugInstruments(const BenchDevices& devices) {

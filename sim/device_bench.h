@@ -5,6 +5,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/clock.h"
@@ -25,8 +26,8 @@ struct BenchDevices {
 };
 
 // Serial ports appear under the names that the file gives them, by USB serial number or as
-// /dev/NAME; instruments with the serial numbers it asks for. The power meter sees the LED, with a
-// power of `monitor.settings.reference` at full current.
+// /dev/NAME; instruments with the serial numbers it asks for. The power meter sees the LEDs, each
+// with the reference power of its colour (`monitor.settings`) at full current.
 //
 // Only programs started with UsbBench::kPreload while it lives see it; one bench at a time.
 class DeviceBench {
@@ -40,6 +41,8 @@ class DeviceBench {
   double Angle(std::size_t axis) const { return wires_.Angle(axis); }
   // The light, relative to level 1. Any thread.
   double LampPower() const;
+  // Of a light of several LEDs: the one that is on; empty: none, or more than one. Any thread.
+  std::optional<LightColour> LampColour() const;
 
  private:
   struct Instruments;

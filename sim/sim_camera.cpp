@@ -47,9 +47,11 @@ SimImage SimCamera::Signal(Seconds start, const SimReadout& readout) {
   SimImage sum;
   for (int i = 0; i < steps; ++i) {
     const Seconds time = start + exposure * ((i + 0.5) / steps);
-    SimImage seen = imager_.See(
-        {.arms = scene_->ArmsAt(time), .power = scene_->PowerAt(time), .readout = readout},
-        sample_);
+    SimImage seen = imager_.See({.arms = scene_->ArmsAt(time),
+                                 .power = scene_->PowerAt(time),
+                                 .spectrum = scene_->SpectrumAt(time),
+                                 .readout = readout},
+                                sample_);
     if (i == 0) {
       sum = std::move(seen);
     } else {

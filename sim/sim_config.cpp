@@ -26,6 +26,7 @@ std::array<double, kSize> NumbersOr0(const ConfigNode& node, const char* key, Ra
 void ReadLampAndArms(const ConfigNode& node, SimConfig& sim) {
   sim.lamp_flicker = node.NumberOr("lamp_flicker", 0, Range::Between(0, 0.2));
   sim.lamp_fails_at = node.NumberOr("lamp_fails_at_s", 0, Range::NonNegative());
+  sim.colour_crosstalk = node.NumberOr("colour_crosstalk", 0, Range::Between(0, 0.3));
   sim.responsivity_drift_per_hour =
       node.NumberOr("responsivity_drift_per_hour", 0, Range::Between(-0.2, 0.2));
   sim.axis_offset = NumbersOr0<4>(node, "axis_offset_deg", Range::Between(-5, 5));

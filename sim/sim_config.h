@@ -36,6 +36,8 @@ struct SimConfig {
   // The lamp.
   double lamp_flicker = 0;   // relative standard deviation of its power from frame to frame
   double lamp_fails_at = 0;  // s on the session's clock; dark from then on. 0: never
+  // Of a light with colours: the part of each that lies in each band beside its own.
+  double colour_crosstalk = 0;
 
   // Relative slope of the responsivity at time zero, which no monitor sees: optics, camera gain,
   // detector temperature. Drifts as the lamp does (SlowDrift).

@@ -11,8 +11,8 @@ SimImager::SimImager(const SimConfig& truth, const Imaging& imaging, int sensor_
 
 SimImage SimImager::See(const SimView& view, const Brdf& sample) {
   const SimReadout readout = sensor_.Whole(view.readout);
-  return optics_.Render(view.arms, view.power, sample, readout.region,
-                        readout.layout == PixelLayout::kMono);
+  const bool mono = readout.layout == PixelLayout::kMono;
+  return optics_.Render(view.arms, view.power, sample, readout.region, mono, view.spectrum);
 }
 
 Frame SimImager::Read(const SimImage& electrons, const SimReadout& readout) {

@@ -14,8 +14,9 @@ namespace gonio {
 
 // All that one frame depends on beside the sample and chance.
 struct SimView {
-  SimArms arms{};    // rad, true: with SimConfig::axis_offset, if there is one
-  double power = 1;  // of the lamp, relative to full power; 0: a dark frame
+  SimArms arms{};              // rad, true: with SimConfig::axis_offset, if there is one
+  double power = 1;            // of the lamp, relative to full power; 0: a dark frame
+  Rgb spectrum = Rgb::Ones();  // as SpectrumOf() in sim_light.h; all 1: white
   SimReadout readout{};
 };
 

@@ -179,14 +179,14 @@ class SimOptics::Pose {
 // that was interpolated.
 class SimOptics::Renderer {
  public:
-  Renderer(SimOptics& optics, const SimArms& arms, double power, const Brdf& sample,
+  Renderer(SimOptics& optics, const SimArms& arms, const Rgb& light, const Brdf& sample,
            const SimRegion& region, bool mono)
       : optics_(optics),
         pose_(optics, arms),
         sample_(sample),
         region_(region),
         planes_(mono ? 1 : kChannels),
-        scale_(optics.truth_.responsivity * power),
+        scale_(optics.truth_.responsivity * light),
         nodes_(optics.nodes_),
         states_(optics.states_) {
     const int square = optics.every_px_;
@@ -359,18 +359,19 @@ std::optional<SurfaceView> SimOptics::See(const SimArms& arms, double x, double 
   return pose.See(pose.Ray(x, y));
 }
 
-Rgb SimOptics::UniformRate(const SimArms& arms, double power, const Brdf& sample) const {
+Rgb SimOptics::UniformRate(const SimArms& arms, const Rgb& light, const Brdf& sample) const {
   const DirectionPair pair = ArmDirections(arms);
   const Rgb f_r = sample.Eval(pair).value_or(Rgb::Zero());
-  return truth_.responsivity * (f_r.max(0) * std::max(pair.cos_theta_i(), 0.0) * power);
+  return truth_.responsivity * (f_r.max(0) * std::max(pair.cos_theta_i(), 0.0) * light);
 }
 
 SimImage SimOptics::Render(const SimArms& arms, double power, const Brdf& sample,
-                           const SimRegion& region, bool mono) {
+                           const SimRegion& region, bool mono, const Rgb& spectrum) {
   SimImage image{.width = region.width, .height = region.height, .values = {}};
   if (power <= 0) return image;
+  const Rgb light = power * spectrum;
   if (!resolves_directions()) {
-    image.uniform = UniformRate(arms, power, sample) + truth_.stray_light * power;
+    image.uniform = UniformRate(arms, light, sample) + truth_.stray_light * power;
     return image;
   }
   image.planes = mono ? 1 : kChannels;
@@ -379,7 +380,7 @@ SimImage SimOptics::Render(const SimArms& arms, double power, const Brdf& sample
                          region.height + 2 * margin};
   image.width = padded.width;
   image.height = padded.height;
-  image.values = Renderer(*this, arms, power, sample, padded, mono).Run();
+  image.values = Renderer(*this, arms, light, sample, padded, mono).Run();
   if (margin > 0) image = Blur(image, truth_.defocus, margin);
   if (truth_.veiling_glare > 0) AddGlare(image, truth_.veiling_glare);
   for (float& value : image.values) value += static_cast<float>(truth_.stray_light * power);

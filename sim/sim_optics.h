@@ -60,10 +60,10 @@ class SimOptics {
   // Of the point (x + 1/2, y + 1/2) on the sensor: pixel x, y. Empty: background.
   std::optional<SurfaceView> See(const SimArms& arms, double x, double y) const;
 
-  // Rates [electrons/s]. `mono`: one plane. Where imaging does not resolve directions the image is
-  // uniform and f_r that of the arms. Not thread-safe.
+  // Rates [electrons/s]. `spectrum`: of the light (SpectrumOf). `mono`: one plane. Where imaging
+  // does not resolve directions the image is uniform and f_r that of the arms. Not thread-safe.
   SimImage Render(const SimArms& arms, double power, const Brdf& sample, const SimRegion& region,
-                  bool mono);
+                  bool mono, const Rgb& spectrum = Rgb::Ones());
 
   bool resolves_directions() const { return imaging_.resolves_directions(); }
 
@@ -71,7 +71,7 @@ class SimOptics {
   class Pose;
   class Renderer;
 
-  Rgb UniformRate(const SimArms& arms, double power, const Brdf& sample) const;
+  Rgb UniformRate(const SimArms& arms, const Rgb& light, const Brdf& sample) const;
 
   // What the refinement knows of a pixel.
   struct Node {

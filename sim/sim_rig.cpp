@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/sim_rig.h"
 
+#include <cmath>
 #include <utility>
 
 #include "sim/sim_axis.h"
@@ -11,7 +12,46 @@ namespace {
 constexpr const char* kNames[4] = {"light_azimuth", "light_elevation", "camera_azimuth",
                                    "camera_elevation"};
 // Streams of the generator; their numbers are part of what makes a seed repeatable.
-enum Stream { kStart = 0, kAxis = 10, kCameraStream = 20, kMonitorStream = 30, kLampStream = 40 };
+enum Stream {
+  kStart = 0,
+  kAxis = 10,
+  kCameraStream = 20,
+  kMonitorStream = 30,
+  kLampStream = 40,
+  kWheelStream = 50
+};
+
+// Light comes through where the wheel stands at a filter, whatever its encoder says.
+SimLamp::Filter FilterOf(std::shared_ptr<const SimMotor> motor, const SimWheel& wheel) {
+  return [motor = std::move(motor), wheel](Seconds time) {
+    std::optional<LightColour> through;
+    if (motor->MovingBetween(time, time)) return through;
+    for (const LightColour colour : kLightColours) {
+      const double off =
+          motor->PositionAt(time) - wheel.filters.positions[static_cast<std::size_t>(colour)];
+      if (std::abs(off) <= 2 * wheel.limits.position_tolerance) through = colour;
+    }
+    return through;
+  };
+}
+
+std::unique_ptr<SimAxis> MakeWheel(const SimConfig& truth, const SimWheel& wheel,
+                                   Seconds home_limit, Clock& clock, std::uint64_t seed,
+                                   SimDevices* devices) {
+  const AxisLimits& limits = wheel.limits;
+  const double place = Random(seed, kWheelStream).Uniform();
+  devices->wheel = std::make_shared<SimMotor>(
+      limits.min_position + place * (limits.max_position - limits.min_position), limits.max_speed,
+      limits.acceleration, clock, limits.move_overhead);
+  SimAxisOptions options;
+  options.encoder_resolution = truth.encoder_resolution;
+  options.repeatability = truth.repeatability;
+  options.reference = limits.min_position;
+  options.home_limit = home_limit;
+  devices->lamp->SetFilter(FilterOf(devices->wheel, wheel), truth.colour_crosstalk);
+  return std::make_unique<SimAxis>("filter_wheel", limits, options, devices->wheel, clock,
+                                   Random(seed, kWheelStream + 1));
+}
 
 }  // namespace
 
@@ -50,11 +90,20 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
       "camera", setup.camera, truth, sample,
       std::make_unique<MotorScene>(devices.motors, devices.lamp, truth.axis_offset), clock,
       Random(seed, kCameraStream), setup.imaging, setup.gain_db);
+  if (setup.leds) devices.lamp->GiveColours(truth.colour_crosstalk);
   devices.light = std::make_unique<SimLight>("light", devices.lamp);
+  SimAxis* wheel = nullptr;
+  if (setup.wheel) {
+    auto axis = MakeWheel(truth, *setup.wheel, setup.home_limit, clock, seed, &devices);
+    wheel = axis.get();
+    devices.light = std::make_unique<FilterWheelLight>(std::move(devices.light), std::move(axis),
+                                                       setup.wheel->filters);
+  }
   auto monitor = std::make_unique<SimMonitor>("monitor", devices.lamp, truth.monitor_noise, clock,
                                               Random(seed, kMonitorStream));
-  devices.draw = [axes, seed, c = camera.get(), m = monitor.get()](std::uint64_t number) {
+  devices.draw = [axes, wheel, seed, c = camera.get(), m = monitor.get()](std::uint64_t number) {
     const std::uint64_t drawn = Random::Hash(seed, number);
+    if (wheel != nullptr) wheel->Reseed(Random(drawn, kWheelStream + 1));
     for (int i = 0; i < 4; ++i) axes[i]->Reseed(Random(drawn, kAxis + i));
     c->Reseed(Random(drawn, kCameraStream));
     m->Reseed(Random(drawn, kMonitorStream));

@@ -7,15 +7,23 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "brdf/imaging.h"
 #include "drivers/axis.h"
 #include "drivers/camera.h"
+#include "drivers/filter_wheel_light.h"
 #include "drivers/light.h"
 #include "sim/sim_camera.h"
 #include "sim/sim_config.h"
 
 namespace gonio {
+
+// A filter wheel before the lamp.
+struct SimWheel {
+  AxisLimits limits;
+  FilterWheelSettings filters;
+};
 
 // What the rig's configuration says of its devices. Axes: light azimuth, light elevation, camera
 // azimuth, camera elevation.
@@ -25,6 +33,8 @@ struct SimSetup {
   CameraInfo camera;
   Imaging imaging{};   // as built; the simulation's own errors come on top
   double gain_db = 0;  // of the camera
+  bool leds = false;   // the light has colours, and no wheel
+  std::optional<SimWheel> wheel = std::nullopt;
 };
 
 // The devices behind their interfaces, and the machine behind the devices for those who want the
@@ -40,6 +50,7 @@ struct SimDevices {
   std::function<void(std::uint64_t)> draw;
 
   SimMotors motors;
+  std::shared_ptr<SimMotor> wheel;  // of filters, if there is one
   std::shared_ptr<SimLamp> lamp;
 };
 

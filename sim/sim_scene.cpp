@@ -37,6 +37,10 @@ Result<void> ReadbackScene::Look() {
   const Result<double> level = light_->Level();
   if (!level) return level.error();
   power_ = *level;
+  if (!light_->has_colours()) return {};
+  const auto colour = light_->Selected();
+  if (!colour) return colour.error();
+  spectrum_ = SpectrumOf(*colour, crosstalk_);
   return {};
 }
 

@@ -28,6 +28,7 @@ class SimScene {
   virtual SimArms ArmsAt(Seconds time) const = 0;
   virtual bool MovingBetween(Seconds begin, Seconds end) const = 0;
   virtual double PowerAt(Seconds time) const = 0;  // of the lamp, relative to full power
+  virtual Rgb SpectrumAt(Seconds time) const = 0;  // as SimLamp::SpectrumAt()
 };
 
 // The sum of angles, one by one.
@@ -42,6 +43,7 @@ class MotorScene final : public SimScene {
   SimArms ArmsAt(Seconds time) const override;
   bool MovingBetween(Seconds begin, Seconds end) const override;
   double PowerAt(Seconds time) const override { return lamp_->PowerAt(time); }
+  Rgb SpectrumAt(Seconds time) const override { return lamp_->SpectrumAt(time); }
 
  private:
   const SimMotors motors_;
@@ -51,23 +53,27 @@ class MotorScene final : public SimScene {
 
 // Real axes and a real light, as they are read back when the shutter opens: a simulated camera on a
 // machine that has no camera yet. The devices outlive it; all calls on them are made by Look().
-// `offset`: of the arms from what is read.
+// `offset`: of the arms from what is read; `crosstalk`: of a light with colours (SpectrumOf).
 class ReadbackScene final : public SimScene {
  public:
-  ReadbackScene(const std::array<Axis*, 4>& axes, Light* light, const SimArms& offset = {})
-      : axes_(axes), light_(light), offset_(offset) {}
+  ReadbackScene(const std::array<Axis*, 4>& axes, Light* light, const SimArms& offset = {},
+                double crosstalk = 0)
+      : axes_(axes), light_(light), offset_(offset), crosstalk_(crosstalk) {}
   // kProtocol: an axis moves.
   Result<void> Look() override;
   SimArms ArmsAt(Seconds) const override { return arms_; }
   bool MovingBetween(Seconds, Seconds) const override { return false; }
   double PowerAt(Seconds) const override { return power_; }
+  Rgb SpectrumAt(Seconds) const override { return spectrum_; }
 
  private:
   const std::array<Axis*, 4> axes_;
   Light* const light_;
   const SimArms offset_;
+  const double crosstalk_;
   SimArms arms_{};
   double power_ = 0;
+  Rgb spectrum_ = Rgb::Ones();
 };
 
 }  // namespace gonio

@@ -41,6 +41,12 @@ std::string Numbers(const FlatField& flat) {
   return fmt::format("pattern {:.2f} %", 100 * spread.sigma);
 }
 
+std::string Numbers(const ColourFlats& flats) {
+  std::string text;
+  for (const FlatField& flat : flats) text += (text.empty() ? "" : ", ") + Numbers(flat);
+  return text;
+}
+
 std::string Numbers(const StrayLights& stray) {
   return fmt::format("background {}, {}, {} e/s; glare {}, {}, {}", Text(stray[0].background),
                      Text(stray[1].background), Text(stray[2].background), Text(stray[0].glare),
@@ -52,8 +58,9 @@ std::string Numbers(const Responsivity& r) {
                      Text(r.responsivity[1]), Text(r.responsivity[2]), r.standard);
 }
 
+// `colours`: of a light that has them.
 std::string NumbersOf(CalibrationKind kind, const std::filesystem::path& path,
-                      const CalibrationDemand& demand) {
+                      const CalibrationDemand& demand, bool colours) {
   switch (kind) {
     case CalibrationKind::kDark:
       return Numbers(ReadDark(path, demand));
@@ -62,7 +69,8 @@ std::string NumbersOf(CalibrationKind kind, const std::filesystem::path& path,
     case CalibrationKind::kBadPixels:
       return Numbers(ReadBadPixels(path, demand));
     case CalibrationKind::kFlatField:
-      return Numbers(ReadFlatField(path, demand));
+      return colours ? Numbers(ReadColourFlats(path, demand))
+                     : Numbers(ReadFlatField(path, demand));
     case CalibrationKind::kStrayLight:
       return Numbers(ReadStrayLight(path, demand));
     case CalibrationKind::kResponsivity:
@@ -86,7 +94,7 @@ std::vector<CalibrationStatus> StatusOf(const CalibrationPolicy& policy, std::in
       demand.format = status.header->format;  // whatever camera it is for
       demand.now = now;
       status.old = static_cast<double>(now - status.header->created) > policy.max_age;
-      status.numbers = NumbersOf(kind, path, demand);
+      status.numbers = NumbersOf(kind, path, demand, !status.header->light.empty());
     } catch (const ConfigError& e) {
       status.problem = e.what();
     }

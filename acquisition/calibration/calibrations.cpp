@@ -24,6 +24,11 @@ double AgeOf(const CalibrationFile& file, std::int64_t now) {
   return static_cast<double>(now - file.created);
 }
 
+CalibrationDemand OfLight(CalibrationDemand demand, const Calibrations& calibrations) {
+  demand.light = calibrations.light;
+  return demand;
+}
+
 void ReadProduct(const CalibrationFile& file, const CalibrationDemand& demand,
                  Calibrations* calibrations) {
   switch (file.kind) {
@@ -37,13 +42,17 @@ void ReadProduct(const CalibrationFile& file, const CalibrationDemand& demand,
       calibrations->bad_pixels = ReadBadPixels(file.path, demand);
       return;
     case CalibrationKind::kFlatField:
-      calibrations->flat = ReadFlatField(file.path, demand);
+      if (calibrations->light.empty()) {
+        calibrations->flat = ReadFlatField(file.path, OfLight(demand, *calibrations));
+      } else {
+        calibrations->colour_flats = ReadColourFlats(file.path, OfLight(demand, *calibrations));
+      }
       return;
     case CalibrationKind::kStrayLight:
-      calibrations->stray = ReadStrayLight(file.path, demand);
+      calibrations->stray = ReadStrayLight(file.path, OfLight(demand, *calibrations));
       return;
     case CalibrationKind::kResponsivity:
-      calibrations->responsivity = ReadResponsivity(file.path, demand);
+      calibrations->responsivity = ReadResponsivity(file.path, OfLight(demand, *calibrations));
       return;
   }
 }
@@ -74,11 +83,20 @@ void CopyFile(const fs::path& from, const fs::path& folder, const std::string& s
 
 }  // namespace
 
+const FlatField* FlatFor(const Calibrations& calibrations,
+                         const std::optional<LightColour>& colour) {
+  if (colour && calibrations.colour_flats) {
+    return &(*calibrations.colour_flats)[static_cast<std::size_t>(*colour)];
+  }
+  return !colour && calibrations.flat ? &*calibrations.flat : nullptr;
+}
+
 Calibrations LoadCalibrations(const CalibrationPolicy& policy, const SensorFormat& format,
-                              std::int64_t now) {
+                              std::int64_t now, const std::string& light) {
   RefuseMissing(policy);
   Calibrations calibrations;
   calibrations.format = format;
+  calibrations.light = light;
   CalibrationDemand demand;
   demand.format = format;
   demand.now = now;
@@ -138,15 +156,17 @@ Calibrations LoadCopies(const std::filesystem::path& folder) {
   policy.folder = folder;
   policy.max_age = std::numeric_limits<double>::infinity();
   std::optional<SensorFormat> format;
+  std::string light;
   std::int64_t newest = 0;
   for (const CalibrationKind kind : kCalibrationKinds) {
     const fs::path path = folder / FileNameOf(kind);
     if (!fs::exists(path)) continue;
     const CalibrationHeader header = ReadCalibrationHeader(path);
     if (!format) format = header.format;
+    if (!header.light.empty()) light = header.light;
     newest = std::max(newest, header.created);
   }
-  return format ? LoadCalibrations(policy, *format, newest) : Calibrations{};
+  return format ? LoadCalibrations(policy, *format, newest, light) : Calibrations{};
 }
 
 }  // namespace gonio

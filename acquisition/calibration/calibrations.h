@@ -14,6 +14,7 @@
 
 #include "acquisition/calibration/calibration_kind.h"
 #include "acquisition/radiometry/calibration_products.h"
+#include "drivers/light.h"
 
 namespace gonio {
 
@@ -28,10 +29,12 @@ struct CalibrationFile {
 
 struct Calibrations {
   SensorFormat format;  // of the camera they were checked against
+  std::string light;    // identity of a light with colours, likewise; empty: it has none
   std::optional<DarkLibrary> dark;
   std::optional<SensorCalibration> sensor;
   std::optional<BadPixels> bad_pixels;
   std::optional<FlatField> flat;
+  std::optional<ColourFlats> colour_flats;  // in its place, of a light with colours
   std::optional<StrayLights> stray;
   std::optional<Responsivity> responsivity;
   std::vector<CalibrationFile> files;  // in the order of kCalibrationKinds
@@ -39,12 +42,18 @@ struct Calibrations {
   bool empty() const { return files.empty(); }
 };
 
-// Reads what the folder has, for the camera of `format`, at `now` [s since 1970-01-01 UTC]. Throws
-// ConfigError "FILE: ...": no such folder; one that is required is missing (and which command
-// makes it); another camera, region, layout, full scale or gain; damaged or of another version;
-// from the future; too old, if the policy refuses that.
+// The flat field for frames in this colour of the light, or without; nullptr: there is none.
+const FlatField* FlatFor(const Calibrations& calibrations,
+                         const std::optional<LightColour>& colour);
+
+// Reads what the folder has, for the camera of `format`, at `now` [s since 1970-01-01 UTC].
+// `light`: identity of a light with colours. Flat fields, responsivities and stray light are of the
+// light, too; darks, photon transfers and bad pixels of the camera alone. Throws ConfigError "FILE:
+// ...": no such folder; one that is required is missing (and which command makes it); another
+// camera, region, layout, full scale, gain or light; damaged or of another version; from the
+// future; too old, if the policy refuses that.
 Calibrations LoadCalibrations(const CalibrationPolicy& policy, const SensorFormat& format,
-                              std::int64_t now);
+                              std::int64_t now, const std::string& light = {});
 
 // "dark 2.0 days, flat-field 3.1 days": how old each is at `now`; "none".
 std::string AgesOf(const Calibrations& calibrations, std::int64_t now);

@@ -30,6 +30,7 @@ StepFrames::StepFrames(const StepParts& parts, const StepOptions& options, std::
       step_(std::move(step)),
       format_(SensorFormatOf(parts.rig, parts.devices.camera->identity())),
       taker_(parts.rig, parts.devices),
+      colours_(parts.rig, parts.devices, parts.clock),
       paths_(parts.rig) {
   fs::create_directories(options.folder);
 }
@@ -45,7 +46,20 @@ Calibrations StepFrames::Earlier(std::vector<CalibrationKind> needed) const {
     throw ConfigError(fmt::format("{}: has no {}, which this step needs; {} makes it",
                                   options_.folder.string(), FileNameOf(kind), CommandFor(kind)));
   }
-  return LoadCalibrations(policy, format_, options_.now);
+  return LoadCalibrations(policy, format_, options_.now,
+                          LightFormatOf(parts_.rig, *parts_.devices.light));
+}
+
+std::optional<LightColour> StepFrames::BrightestColour() const {
+  if (!parts_.rig.by_colour) return std::nullopt;
+  Eigen::Index brightest = 0;
+  parts_.rig.radiometry.responsivity.maxCoeff(&brightest);
+  return kLightColours[brightest];
+}
+
+Result<void> StepFrames::LightIn(const std::optional<LightColour>& colour) {
+  colour_ = colour;
+  return colour ? colours_.Select(*colour, options_.stop) : Result<void>();
 }
 
 DirectionPair StepFrames::Pose() const {
@@ -90,7 +104,7 @@ Result<double> StepFrames::Meter(double fraction) {
   for (int n = 0; n < kMeteringFrames; ++n) {
     const auto taken = TakeOne(exposure, true);
     if (!taken) return taken.error();
-    const FrameMeans means = MeansOf(taken->frame, rig.camera.full_scale, regions_);
+    const FrameMeans means = MeansOf(taken->frame, rig.camera.full_scale, regions_, colour_);
     const double level = means.counts.maxCoeff() / rig.camera.full_scale;
     const bool saturated = means.saturated_fraction.maxCoeff() > kFewSaturated;
     if (!saturated && level > 0.8 * fraction && level < 1.25 * fraction) break;
@@ -105,7 +119,8 @@ Result<double> StepFrames::Meter(double fraction) {
 
 Result<std::vector<StoredFrame>> StepFrames::Take(bool lit, const std::string& part,
                                                   const Choose& choose) {
-  FrameStore store(FramesFolder() / part, format_, Settings(lit), options_.again);
+  const std::string name = PartOf(lit, part);
+  FrameStore store(FramesFolder() / name, format_, Settings(lit), options_.again);
   if (store.exposures().empty()) {
     auto chosen = choose();
     if (!chosen) return chosen.error();
@@ -124,10 +139,15 @@ Result<std::vector<StoredFrame>> StepFrames::Take(bool lit, const std::string& p
     }
     frames.push_back(std::move(*stored));
     if (options_.progress) {
-      options_.progress(static_cast<int>(i) + 1, total, part.empty() ? step_ : step_ + " " + part);
+      options_.progress(static_cast<int>(i) + 1, total, name.empty() ? step_ : step_ + " " + name);
     }
   }
   return frames;
+}
+
+std::string StepFrames::PartOf(bool lit, const std::string& part) const {
+  if (!lit || !colour_) return part;
+  return part.empty() ? ToString(*colour_) : part + "-" + ToString(*colour_);
 }
 
 Result<StoredFrame> StepFrames::TakeOne(double exposure, bool lit) {
@@ -145,6 +165,7 @@ Result<StoredFrame> StepFrames::TakeOne(double exposure, bool lit) {
   if (!taken) return taken.error();
   stored.frame = std::move(taken->frame);
   stored.monitor = taken->monitor;
+  stored.colour = colour_;
   return stored;
 }
 
@@ -159,6 +180,7 @@ FrameStore::Settings StepFrames::Settings(bool lit) const {
   settings["frames"] = std::to_string(options_.frames);
   settings["light_level"] = fmt::format("{:.4g}", lit ? parts_.rig.light_level : 0);
   if (!lit) return settings;
+  if (parts_.rig.by_colour) settings["light"] = LightFormatOf(parts_.rig, *parts_.devices.light);
   const auto degrees = [](const std::optional<double>& angle) {
     return angle ? fmt::format("{:.4g}", DegFromRad(*angle)) : std::string("default");
   };
@@ -181,7 +203,8 @@ fs::path StepFrames::FileOf(CalibrationKind kind) const {
 }
 
 CalibrationStamp StepFrames::Stamp(const std::vector<StoredFrame>& frames) const {
-  CalibrationStamp stamp{options_.now, format_, std::nullopt};
+  CalibrationStamp stamp{options_.now, format_, std::nullopt,
+                         LightFormatOf(parts_.rig, *parts_.devices.light)};
   double sum = 0;
   for (const StoredFrame& stored : frames) {
     if (!stored.frame.temperature_c) return stamp;

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "acquisition/calibration/steps.h"
 #include "acquisition/frame_taker.h"
 #include "acquisition/image_regions.h"
+#include "acquisition/light_colours.h"
 #include "acquisition/path_planner.h"
 #include "brdf/direction.h"
 
@@ -38,6 +40,14 @@ class StepFrames {
 
   // Homes and lights once, moves, and notes which pixels see the sample. kRefused: out of reach.
   Result<void> GoTo(const DirectionPair& pair);
+  // In which colours of the light a step takes its frames, one after the other; one turn, empty,
+  // for a light without.
+  std::vector<std::optional<LightColour>> Turns() const { return ColoursInTurn(parts_.rig); }
+  // The one that the camera sees brightest.
+  std::optional<LightColour> BrightestColour() const;
+  // What is metered and taken from now on is lit in this one.
+  Result<void> LightIn(const std::optional<LightColour>& colour);
+
   // Where the arms are, in the sample's frame: encoders and the offsets of geometry.yaml.
   const ArmAngles& arms() const { return arms_; }
   const std::vector<ImageRegion>& regions() const { return regions_; }
@@ -49,7 +59,8 @@ class StepFrames {
   Result<double> Meter(double fraction);
 
   // Takes what `choose` says, or what an earlier start had chosen, except for what that had taken.
-  // `part`: distinguishes several series of a step, "" if there is one.
+  // `part`: distinguishes several series of a step, "" if there is one; colours are distinguished
+  // anyway.
   using Choose = std::function<Result<std::vector<double>>()>;
   Result<std::vector<StoredFrame>> Take(bool lit, const std::string& part, const Choose& choose);
 
@@ -62,6 +73,7 @@ class StepFrames {
 
  private:
   Result<StoredFrame> TakeOne(double exposure, bool lit);
+  std::string PartOf(bool lit, const std::string& part) const;
   FrameStore::Settings Settings(bool lit) const;
   std::filesystem::path FramesFolder() const;
 
@@ -70,6 +82,8 @@ class StepFrames {
   const std::string step_;
   const SensorFormat format_;
   FrameTaker taker_;
+  ColourChanger colours_;
+  std::optional<LightColour> colour_;
   const PathPlanner paths_;
   bool prepared_ = false;
   ArmAngles arms_{};

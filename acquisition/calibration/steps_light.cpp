@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -38,6 +39,7 @@ PoseRecord RecordOf(const StepFrames& step, const Calibrations& calibrations,
     Exposure exposure;
     exposure.frame = stored.frame;
     exposure.monitor = stored.monitor;
+    exposure.colour = stored.colour;
     record.exposures.push_back(std::move(exposure));
   }
   return record;
@@ -52,6 +54,19 @@ Result<RegionRates> RatesOf(const StepFrames& step, const Calibrations& calibrat
     if (!rate.measured) return Error{ErrorCode::kRefused, "a channel is saturated in every frame"};
   }
   return rates->front();
+}
+
+// Frames in all colours of the light, one series after the other.
+Result<std::vector<StoredFrame>> TakeInColours(StepFrames& step, const std::string& part,
+                                               const StepFrames::Choose& choose) {
+  std::vector<StoredFrame> all;
+  for (const auto& colour : step.Turns()) {
+    if (auto lit = step.LightIn(colour); !lit) return lit.error();
+    auto taken = step.Take(true, part, choose);
+    if (!taken) return taken.error();
+    std::move(taken->begin(), taken->end(), std::back_inserter(all));
+  }
+  return all;
 }
 
 // The standard in one pose: rate per f_r of each channel, by what differs from pose to pose.
@@ -172,7 +187,7 @@ Result<StepReport> CalibrateStrayLight(const StepParts& parts, const StepOptions
         std::max(parts.rig.exposure.soft_limit.count(), parts.rig.camera.min_exposure.count());
     return Repeated({std::min(*exposure, limit)}, times);
   };
-  const auto frames = step.Take(true, "", choose);
+  const auto frames = TakeInColours(step, "", choose);
   if (!frames) return frames.error();
   const PoseRecord record = RecordOf(step, earlier, *frames);
   const auto rates = RatesOf(step, earlier, record);
@@ -214,7 +229,7 @@ Result<StepReport> CalibrateGlare(const StepParts& parts, const StepOptions& opt
     if (!exposure) return exposure.error();
     return Repeated({*exposure}, times);
   };
-  const auto frames = step.Take(true, "", choose);
+  const auto frames = TakeInColours(step, "", choose);
   if (!frames) return frames.error();
   PoseRecord record = RecordOf(step, earlier, *frames);
   record.regions = std::move(*regions);
@@ -234,7 +249,8 @@ Result<StepReport> CalibrateGlare(const StepParts& parts, const StepOptions& opt
   // The file is as old as its background.
   report.files = {step.FileOf(CalibrationKind::kStrayLight)};
   const CalibrationHeader header = ReadCalibrationHeader(report.files[0]);
-  WriteStrayLight(report.files[0], {header.created, step.format(), header.temperature_c}, stray);
+  WriteStrayLight(report.files[0],
+                  {header.created, step.format(), header.temperature_c, header.light}, stray);
   step.Finish();
   return report;
 }
@@ -263,7 +279,7 @@ Result<StepReport> CalibrateStandard(const StepParts& parts, const StepOptions& 
     if (auto there = step.GoTo(PairInPlane(point.theta_i, point.theta_o)); !there) {
       return there.error();
     }
-    auto frames = step.Take(true, PartOf(point), choose);
+    auto frames = TakeInColours(step, PartOf(point), choose);
     if (!frames) return frames.error();
     auto reading = ReadStandard(step, earlier, *frames, standard, point);
     if (!reading) return reading.error();

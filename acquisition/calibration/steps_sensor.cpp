@@ -198,6 +198,33 @@ Result<FlatField> FlatOf(const RigConfig& rig, const Calibrations& calibrations,
   return MeasureFlatField(corrected);
 }
 
+// One for each series of frames.
+Result<std::vector<FlatField>> FlatsOf(const RigConfig& rig, const Calibrations& calibrations,
+                                       const std::vector<std::vector<StoredFrame>>& frames,
+                                       const std::vector<float>& lights) {
+  std::vector<FlatField> flats;
+  for (const std::vector<StoredFrame>& series : frames) {
+    auto flat = FlatOf(rig, calibrations, series, lights);
+    if (!flat) return flat.error();
+    flats.push_back(std::move(flat).value());
+  }
+  return flats;
+}
+
+// A site that does not answer to one colour is bad for all.
+BadPixels BadInAny(const SensorFormat& format, const DarkFit& dark,
+                   const std::vector<FlatField>& flats) {
+  BadPixels all = FindBadPixels(format, dark, flats.front().response);
+  for (std::size_t k = 1; k < flats.size(); ++k) {
+    const BadPixels more = FindBadPixels(format, dark, flats[k].response);
+    for (std::size_t i = 0; i < all.mask.size(); ++i) {
+      if ((more.mask[i] & kDeadPixel) != 0 && (all.mask[i] & kDeadPixel) == 0) ++all.dead;
+      all.mask[i] |= more.mask[i];
+    }
+  }
+  return all;
+}
+
 // Relative standard deviation of the response over the good sites, and the share that its own noise
 // has in it.
 std::pair<double, double> SpreadOf(const FlatField& flat) {
@@ -254,6 +281,8 @@ Result<StepReport> CalibratePhotonTransfer(const StepParts& parts, const StepOpt
   StepFrames step(parts, options, "photon-transfer");
   const Calibrations earlier = step.Earlier({CalibrationKind::kDark, CalibrationKind::kBadPixels});
   if (auto there = step.GoTo(step.Pose()); !there) return there.error();
+  // Electrons are alike, whatever light freed them.
+  if (auto lit = step.LightIn(step.BrightestColour()); !lit) return lit.error();
   const CameraInfo& camera = parts.rig.camera;
   const int times = options.frames > 0 ? options.frames + options.frames % 2 : kTransferFrames;
   const auto choose = [&]() -> Result<std::vector<double>> {
@@ -296,25 +325,42 @@ Result<StepReport> CalibrateFlat(const StepParts& parts, const StepOptions& opti
     if (!exposure) return exposure.error();
     return Repeated({*exposure}, times);
   };
-  const auto frames = step.Take(true, "", choose);
-  if (!frames) return frames.error();
+  std::vector<std::vector<StoredFrame>> frames;  // of each colour
+  for (const auto& colour : step.Turns()) {
+    if (auto lit = step.LightIn(colour); !lit) return lit.error();
+    auto taken = step.Take(true, "", choose);
+    if (!taken) return taken.error();
+    frames.push_back(std::move(taken).value());
+  }
   const std::vector<float> lights = LightOnPixels(parts.rig, step.arms());
-  // Dead sites show in the flat only, and spoil the mean that all are compared with: twice.
-  auto flat = FlatOf(parts.rig, earlier, *frames, lights);
-  if (!flat) return flat.error();
-  earlier.bad_pixels = FindBadPixels(step.format(), earlier.dark->fits.front(), flat->response);
-  flat = FlatOf(parts.rig, earlier, *frames, lights);
-  if (!flat) return flat.error();
+  // Dead sites show in the flats only, and spoil the mean that all are compared with: twice.
+  auto flats = FlatsOf(parts.rig, earlier, frames, lights);
+  if (!flats) return flats.error();
+  earlier.bad_pixels = BadInAny(step.format(), earlier.dark->fits.front(), *flats);
+  flats = FlatsOf(parts.rig, earlier, frames, lights);
+  if (!flats) return flats.error();
   StepReport report;
   report.files = {step.FileOf(CalibrationKind::kBadPixels),
                   step.FileOf(CalibrationKind::kFlatField)};
-  WriteBadPixels(report.files[0], step.Stamp(*frames), *earlier.bad_pixels);
-  WriteFlatField(report.files[1], step.Stamp(*frames), *flat);
+  const CalibrationStamp stamp = step.Stamp(frames.front());
+  WriteBadPixels(report.files[0], stamp, *earlier.bad_pixels);
+  if (flats->size() == 1) {
+    WriteFlatField(report.files[1], stamp, flats->front());
+  } else {
+    ColourFlats colours;
+    std::move(flats->begin(), flats->end(), colours.begin());
+    WriteColourFlats(report.files[1], stamp, colours);
+    flats->assign(colours.begin(), colours.end());
+  }
   step.Finish();
-  const auto [spread, noise] = SpreadOf(*flat);
-  report.lines = {fmt::format("pattern          {:.2f} % from site to site, known to {:.2f} % each",
-                              100 * spread, 100 * noise),
-                  BadPixelsLine(*earlier.bad_pixels)};
+  for (std::size_t i = 0; i < flats->size(); ++i) {
+    const auto [spread, noise] = SpreadOf((*flats)[i]);
+    report.lines.push_back(
+        fmt::format("pattern          {}{:.2f} % from site to site, known to {:.2f} % each",
+                    flats->size() == 1 ? "" : fmt::format("{:<5} ", kChannelNames[i]), 100 * spread,
+                    100 * noise));
+  }
+  report.lines.push_back(BadPixelsLine(*earlier.bad_pixels));
   return report;
 }
 

@@ -8,6 +8,7 @@
 
 #include "acquisition/frame_taker.h"
 #include "acquisition/geometry_calibration/target_poses.h"
+#include "acquisition/light_colours.h"
 #include "acquisition/motion.h"
 #include "acquisition/path_planner.h"
 #include "core/config.h"
@@ -27,12 +28,18 @@ constexpr int kTries = 10;
 class Photographer {
  public:
   explicit Photographer(const TargetSession& session)
-      : session_(session), taker_(session.rig, session.devices), paths_(session.rig) {}
+      : session_(session),
+        taker_(session.rig, session.devices),
+        colours_(session.rig, session.devices, session.clock),
+        paths_(session.rig) {}
 
   Result<void> Prepare() {
     if (auto homed = HomeAll(session_.rig.motion, session_.devices, session_.stop); !homed)
       return homed;
-    return session_.devices.light->SetLevel(session_.rig.light_level);
+    auto lit = session_.devices.light->SetLevel(session_.rig.light_level);
+    // Targets are black and white: one colour of a light that has them will do.
+    if (!lit || !session_.rig.by_colour) return lit;
+    return colours_.Select(LightColour::kGreen, session_.stop);
   }
 
   // Where the arms came to stand, and the image there.
@@ -77,6 +84,7 @@ class Photographer {
 
   const TargetSession& session_;
   FrameTaker taker_;
+  ColourChanger colours_;
   const PathPlanner paths_;
   Seconds exposure_{0.01};
 };

@@ -40,6 +40,7 @@ std::string HeaderText(const CalibrationData& data) {
                       f.full_scale);
   text += fmt::format("gain_db: {}\n", Finite(f.gain_db));
   if (data.temperature_c) text += fmt::format("temperature_c: {}\n", Finite(*data.temperature_c));
+  if (!data.light.empty()) text += fmt::format("light: {}\n", YamlQuoted(data.light));
   return text;
 }
 
@@ -84,6 +85,13 @@ void CheckDemand(const ConfigNode& root, const CalibrationData& data,
                  const CalibrationDemand& demand) {
   const std::string difference = DifferenceOf(data.format, demand.format);
   if (!difference.empty()) throw ConfigError(root.file() + ": " + difference);
+  if (demand.light && *demand.light != data.light) {
+    const auto name = [](const std::string& light) {
+      return light.empty() ? "one without colours" : light;
+    };
+    throw ConfigError(fmt::format("{}: light is {}, calibrated for {}", root.file(),
+                                  name(*demand.light), name(data.light)));
+  }
   const auto age = static_cast<double>(demand.now - data.created);
   if (age < 0) root.Fail("created_utc", "is in the future; a clock is wrong");
   if (age > demand.max_age) {
@@ -109,6 +117,7 @@ CalibrationHeader ReadHeader(const ConfigNode& root) {
   header.created = *created;
   header.format = ReadFormat(root);
   if (root.Has("temperature_c")) header.temperature_c = root.Number("temperature_c");
+  header.light = root.TextOr("light", "");
   return header;
 }
 
@@ -162,6 +171,7 @@ CalibrationData ReadCalibration(const std::filesystem::path& path,
   data.created = header.created;
   data.format = std::move(header.format);
   data.temperature_c = header.temperature_c;
+  data.light = std::move(header.light);
   CheckDemand(root, data, demand);
   const auto each = [&](const char* key, const auto& read) {
     if (!root.Has(key)) return;

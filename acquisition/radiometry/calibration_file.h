@@ -14,6 +14,8 @@
 //   full_scale: 4095
 //   gain_db: 0
 //   temperature_c: 41.5               # of the sensor; left out if the camera does not tell
+//   light: "simulated, ..."           # Light::identity() of a light with colours, in files that
+//                                     # depend on it; left out otherwise
 //   texts: {standard: "tile 17"}
 //   estimates:                        # value and standard uncertainty; units in the names
 //     gain_e_per_count: [2.02, 0.011]
@@ -45,6 +47,7 @@ struct CalibrationData {
   std::int64_t created = 0;  // s since 1970-01-01 UTC
   SensorFormat format;
   std::optional<double> temperature_c;
+  std::string light;  // identity of a light with colours; empty: a light without, or any
   std::map<std::string, std::string> texts;
   std::map<std::string, MeasuredValue> estimates;
   std::map<std::string, std::vector<double>> lists;  // not empty
@@ -60,14 +63,15 @@ struct CalibrationDemand {
   SensorFormat format;                                       // of the camera as it is now
   std::int64_t now = 0;                                      // s since 1970
   double max_age = std::numeric_limits<double>::infinity();  // s
+  std::optional<std::string> light = std::nullopt;  // as in CalibrationData; empty: whatever
   // Both must tell a temperature for it to be compared.
   std::optional<double> temperature_c;
   double max_temperature_difference = std::numeric_limits<double>::infinity();  // K
 };
 
 // Throws ConfigError "PATH:LINE: KEY: ..." or "PATH: ...": another kind, camera, region, layout,
-// full scale or gain; too old or from the future; too warm or cold; an image that is missing, was
-// changed, or is of another size; anything unknown.
+// full scale, gain or light; too old or from the future; too warm or cold; an image that is
+// missing, was changed, or is of another size; anything unknown.
 CalibrationData ReadCalibration(const std::filesystem::path& path, const CalibrationDemand& demand);
 
 // What can be said of a file without a camera to compare it with, and without its images.
@@ -76,6 +80,7 @@ struct CalibrationHeader {
   std::int64_t created = 0;  // s since 1970-01-01 UTC
   SensorFormat format;
   std::optional<double> temperature_c;
+  std::string light;
   std::vector<std::string> image_files;  // names, beside the file
 };
 // Throws ConfigError as above, but judges neither kind, camera, age nor images.

@@ -63,6 +63,36 @@ class Product {
   CalibrationData data_;
 };
 
+CalibrationData StampedWithLight(const char* kind, const CalibrationStamp& stamp) {
+  CalibrationData data = Stamped(kind, stamp);
+  data.light = stamp.light;
+  return data;
+}
+
+// Of the images of one flat field, whose names begin with `prefix`.
+void PutFlat(const std::string& prefix, const FlatField& flat, CalibrationData* data) {
+  data->format = flat.format;
+  data->images[prefix + "response"] = flat.response;
+  data->images[prefix + "sigma"] = flat.sigma;
+}
+
+FlatField TakeFlat(const std::string& prefix, Product* product) {
+  FlatField flat;
+  flat.format = product->data().format;
+  flat.response = product->Image(prefix + "response");
+  flat.sigma = product->Image(prefix + "sigma");
+  const auto good = [](float response) { return std::isfinite(response); };
+  if (!std::all_of(flat.response.begin(), flat.response.end(), good)) {
+    product->Fail(prefix + "response: holds what is no number");
+  }
+  if (!std::all_of(flat.sigma.begin(), flat.sigma.end(), [](float s) { return s >= 0; })) {
+    product->Fail(prefix + "sigma: must be >= 0");
+  }
+  return flat;
+}
+
+std::string ColourPrefix(std::size_t c) { return kChannelNames[c] + std::string("_"); }
+
 std::string FitName(std::size_t i, const char* what) { return fmt::format("dark{}_{}", i, what); }
 
 DarkFit ReadFit(Product* product, std::size_t i) {
@@ -194,32 +224,35 @@ BadPixels ReadBadPixels(const std::filesystem::path& path, CalibrationDemand dem
 void WriteFlatField(const std::filesystem::path& path, const CalibrationStamp& stamp,
                     const FlatField& flat) {
   CalibrationData data = Stamped("flat-field", stamp);
-  data.format = flat.format;
-  data.images["response"] = flat.response;
-  data.images["sigma"] = flat.sigma;
+  PutFlat("", flat, &data);
   WriteCalibration(path, data);
 }
 
 FlatField ReadFlatField(const std::filesystem::path& path, CalibrationDemand demand) {
   Product product(path, "flat-field", std::move(demand));
-  FlatField flat;
-  flat.format = product.data().format;
-  flat.response = product.Image("response");
-  flat.sigma = product.Image("sigma");
-  const auto good = [](float response) { return std::isfinite(response); };
-  if (!std::all_of(flat.response.begin(), flat.response.end(), good)) {
-    product.Fail("response: holds what is no number");
-  }
-  if (!std::all_of(flat.sigma.begin(), flat.sigma.end(), [](float s) { return s >= 0; })) {
-    product.Fail("sigma: must be >= 0");
-  }
+  FlatField flat = TakeFlat("", &product);
   product.Finish();
   return flat;
 }
 
+void WriteColourFlats(const std::filesystem::path& path, const CalibrationStamp& stamp,
+                      const ColourFlats& flats) {
+  CalibrationData data = StampedWithLight("flat-field", stamp);
+  for (std::size_t c = 0; c < kChannels; ++c) PutFlat(ColourPrefix(c), flats[c], &data);
+  WriteCalibration(path, data);
+}
+
+ColourFlats ReadColourFlats(const std::filesystem::path& path, CalibrationDemand demand) {
+  Product product(path, "flat-field", std::move(demand));
+  ColourFlats flats;
+  for (std::size_t c = 0; c < kChannels; ++c) flats[c] = TakeFlat(ColourPrefix(c), &product);
+  product.Finish();
+  return flats;
+}
+
 void WriteResponsivity(const std::filesystem::path& path, const CalibrationStamp& stamp,
                        const Responsivity& responsivity) {
-  CalibrationData data = Stamped("responsivity", stamp);
+  CalibrationData data = StampedWithLight("responsivity", stamp);
   data.texts["standard"] = responsivity.standard;
   for (std::size_t c = 0; c < kChannels; ++c) {
     data.estimates[fmt::format("{}_e_sr_per_s", kChannelNames[c])] = responsivity.responsivity[c];
@@ -242,7 +275,7 @@ Responsivity ReadResponsivity(const std::filesystem::path& path, CalibrationDema
 
 void WriteStrayLight(const std::filesystem::path& path, const CalibrationStamp& stamp,
                      const StrayLights& stray) {
-  CalibrationData data = Stamped("stray-light", stamp);
+  CalibrationData data = StampedWithLight("stray-light", stamp);
   for (std::size_t c = 0; c < kChannels; ++c) {
     const std::string name = kChannelNames[c];
     data.estimates[name + "_background_e_per_s"] = stray[c].background;

@@ -28,6 +28,9 @@ struct CalibrationStamp {
   std::int64_t created = 0;  // s since 1970-01-01 UTC
   SensorFormat format;
   std::optional<double> temperature_c;
+  // Identity of a light with colours. Only files that depend on the light say it: flat field,
+  // responsivity, stray light.
+  std::string light = {};
 };
 
 // The numbers of a photon transfer series.
@@ -55,6 +58,11 @@ BadPixels ReadBadPixels(const std::filesystem::path& path, CalibrationDemand dem
 void WriteFlatField(const std::filesystem::path& path, const CalibrationStamp& stamp,
                     const FlatField& flat);
 FlatField ReadFlatField(const std::filesystem::path& path, CalibrationDemand demand);
+// The same for a light with colours, whose stamp or demand names it: one for each channel.
+using ColourFlats = std::array<FlatField, kChannels>;
+void WriteColourFlats(const std::filesystem::path& path, const CalibrationStamp& stamp,
+                      const ColourFlats& flats);
+ColourFlats ReadColourFlats(const std::filesystem::path& path, CalibrationDemand demand);
 
 struct Responsivity {
   std::string standard;                               // ReferenceStandard::name()

@@ -28,6 +28,7 @@ std::string TextOf(const StoredFrame& stored, const std::string& digest) {
       kFormat, frame.exposure.count(), frame.gain_db, frame.black_level, stored.monitor,
       frame.start.count());
   if (frame.temperature_c) text += fmt::format("temperature_c: {}\n", *frame.temperature_c);
+  if (stored.colour) text += fmt::format("colour: {}\n", ToString(*stored.colour));
   return text + fmt::format("sha256: \"{}\"\n", digest);
 }
 
@@ -58,6 +59,12 @@ std::optional<StoredFrame> ReadFrameFile(const std::filesystem::path& yaml,
   frame.start = Seconds(root.Number("start_s"));
   if (root.Has("temperature_c")) frame.temperature_c = root.Number("temperature_c");
   stored.monitor = root.Number("monitor", Range::NonNegative());
+  if (root.Has("colour")) {
+    const std::string name = root.Choice("colour", {"red", "green", "blue"});
+    for (const LightColour colour : kLightColours) {
+      if (name == ToString(colour)) stored.colour = colour;
+    }
+  }
   const std::string digest = root.Text("sha256");
   root.RefuseUnknownKeys();
   const std::string bytes = ReadTextFile(TiffOf(yaml));

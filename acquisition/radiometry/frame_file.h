@@ -10,6 +10,7 @@
 //   monitor: 0.9987
 //   start_s: 12.5
 //   temperature_c: 41.5      # left out if the camera does not tell
+//   colour: green            # of the light; left out if it has none
 //   sha256: "1f0c93aa..."    # of NAME.tiff
 
 #pragma once
@@ -18,12 +19,14 @@
 #include <optional>
 
 #include "acquisition/radiometry/sensor.h"
+#include "drivers/light.h"
 
 namespace gonio {
 
 struct StoredFrame {
   Frame frame;
   double monitor = 0;  // light over light at calibration; 0: taken in the dark
+  std::optional<LightColour> colour = std::nullopt;  // of the light, if it has colours
 };
 
 // `yaml` is NAME.yaml. The counts are written first, each file whole or not at all. Throws

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquisition/light_colours.h"
 #include "acquisition/radiometry/calibration_file.h"
 #include "core/config.h"
 #include "core/file.h"
@@ -187,9 +188,9 @@ void AddTimes(const SessionRecord& session, const RigConfig& rig, LoggedTimes& t
   const MeasuredPose* last = nullptr;
   for (const MeasuredPose& pose : session.poses) {
     if (pose.move_retries == 0) {
-      times.poses.push_back({pose.frames, pose.end - pose.start - pose.move_time -
-                                              rig.motion.settle - pose.exposed -
-                                              pose.frames * rig.camera.readout});
+      times.poses.push_back(
+          {pose.frames, pose.end - pose.start - pose.move_time - rig.motion.settle - pose.exposed -
+                            pose.frames * rig.camera.readout - ColourChangesOf(rig)});
     }
     const bool direct =
         last && pose.move_retries == 0 &&

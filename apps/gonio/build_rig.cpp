@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <ctime>
 #include <mutex>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "core/check.h"
 #include "core/config.h"
 #include "core/file.h"
+#include "drivers/filter_wheel_light.h"
 #include "sim/sim_camera.h"
 #include "sim/sim_rig.h"
 
@@ -37,6 +39,15 @@ void UseCalibrations(RigFile& file) {
   if (folder.empty()) return;
   if (fs::exists(folder / kGeometryFile)) UseGeometryFile(folder / kGeometryFile, file);
   if (fs::exists(folder / kTimeFile)) file.config.time_model = ReadTimes(folder / kTimeFile);
+}
+
+FilterWheelSettings FiltersOf(const RigConfig& config) {
+  return {.positions = config.filter_wheel->positions, .retries = config.motion.retries};
+}
+
+std::optional<SimWheel> SimWheelOf(const RigConfig& config) {
+  if (!config.filter_wheel) return std::nullopt;
+  return SimWheel{config.filter_wheel->limits, FiltersOf(config)};
 }
 
 void CheckCalibratedCamera(const RigFile& file, const Camera& camera) {
@@ -74,7 +85,10 @@ OpenedRig OpenSimulated(const RigFile& file, const Brdf& sample, std::uint64_t s
   const SimSetup setup{.axes = file.config.axes,
                        .home_limit = file.config.motion.home_limit,
                        .camera = file.config.camera,
-                       .imaging = file.built};
+                       .imaging = file.built,
+                       .gain_db = 0,
+                       .leds = file.config.colour_channels.has_value(),
+                       .wheel = SimWheelOf(file.config)};
   SimDevices sim = MakeSimDevices(file.simulation, setup, sample, *rig.clock, seed);
   rig.devices = {.axes = std::move(sim.axes),
                  .camera = std::move(sim.camera),
@@ -97,8 +111,21 @@ enum Stream { kCameraStream = 20, kMonitorStream = 30 };
   throw DeviceError(what, wires);
 }
 
-void OpenAxes(const RigConfig& config, OpenedRig& rig) {
-  AxisOpener opener(rig.clock.get(), rig.wires);
+// Before whatever light was opened.
+void OpenWheel(const RigConfig& config, AxisOpener& opener, OpenedRig& rig) {
+  if (!config.filter_wheel) return;
+  const FilterWheel& wheel = *config.filter_wheel;
+  ControllerAxisSettings settings;
+  settings.name = "filter_wheel";
+  settings.limits = wheel.limits;
+  settings.home_limit = config.motion.home_limit;
+  auto axis = opener.Open(*wheel.device, settings);
+  if (!axis) Refuse(wheel.device->where, axis.error(), *rig.wires);
+  rig.devices.light = std::make_unique<FilterWheelLight>(
+      std::move(rig.devices.light), std::move(axis).value(), FiltersOf(config));
+}
+
+void OpenAxes(const RigConfig& config, AxisOpener& opener, OpenedRig& rig) {
   for (int i = 0; i < kAxes; ++i) {
     auto axis = OpenRealAxis(config, static_cast<AxisIndex>(i), opener);
     if (!axis) Refuse(config.axis_devices[i]->where, axis.error(), *rig.wires);
@@ -112,6 +139,7 @@ void OpenLightAndMonitor(const RigFile& file, std::uint64_t seed, OpenedRig& rig
   const MonitorDevice& monitor = file.config.monitor_device;
   if (light.driver == LightDevice::Driver::kSimulated) {
     auto lamp = MakeSimLamp(file.simulation, seed);
+    if (file.config.colour_channels) lamp->GiveColours(file.simulation.colour_crosstalk);
     rig.devices.light = std::make_unique<SimLight>("light", lamp);
     rig.devices.monitor = std::make_unique<SimMonitor>(
         "monitor", lamp, file.simulation.monitor_noise, *rig.clock, Random(seed, kMonitorStream));
@@ -163,7 +191,8 @@ void SimulateCamera(const RigFile& file, const Brdf& sample, std::uint64_t seed,
   for (int i = 0; i < kAxes; ++i) axes[i] = rig.devices.axes[i].get();
   auto camera = std::make_unique<SimCamera>(
       "camera", file.config.camera, file.simulation, sample,
-      std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset),
+      std::make_unique<ReadbackScene>(axes, rig.devices.light.get(), file.simulation.axis_offset,
+                                      file.simulation.colour_crosstalk),
       *rig.clock, Random(seed, kCameraStream), file.built);
   rig.draw = [seed, c = camera.get()](std::uint64_t number) {
     c->Reseed(Random(Random::Hash(seed, number), kCameraStream));
@@ -197,26 +226,50 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
   OpenedRig rig;
   rig.clock = std::make_unique<WatchedClock>(std::move(clock));
   rig.wires = std::make_shared<LinkLog>(rig.clock.get());
-  OpenAxes(file.config, rig);
+  AxisOpener opener(rig.clock.get(), rig.wires);
+  OpenAxes(file.config, opener, rig);
   OpenLightAndMonitor(file, seed, rig);
+  OpenWheel(file.config, opener, rig);
   OpenCameraOf(file, sample, seed, rig);
   rig.identities = IdentitiesOf(rig.devices);
   return rig;
 }
 
+namespace {
+
+bool WheelSharesALine(const RigConfig& config) {
+  if (!config.filter_wheel || !config.filter_wheel->device) return false;
+  const std::string& port = config.filter_wheel->device->port.port;
+  return std::any_of(config.axis_devices.begin(), config.axis_devices.end(),
+                     [&](const auto& axis) { return axis && axis->port.port == port; });
+}
+
+}  // namespace
+
 Result<void> Reopen(const RigFile& file, const Brdf* sample, std::uint64_t seed,
                     FailureClass failure, OpenedRig& rig) {
   if (file.config.simulated) return {};
+  const bool axes = failure == FailureClass::kAxis;
+  if (!axes && WheelSharesALine(file.config)) {
+    return Error{
+        ErrorCode::kDisconnected,
+        "the light cannot be opened anew alone: its filter wheel is on a line of the axes"};
+  }
   rig.devices.camera.reset();  // a simulated one looks at the others
   rig.genicam = nullptr;
   try {
-    if (failure == FailureClass::kAxis) {
+    AxisOpener opener(rig.clock.get(), rig.wires);
+    if (axes) {
       for (auto& axis : rig.devices.axes) axis.reset();
-      OpenAxes(file.config, rig);
-    } else {
+    }
+    if (!axes || file.config.filter_wheel) {
       rig.devices.light.reset();
       rig.devices.monitor.reset();
+    }
+    if (axes) OpenAxes(file.config, opener, rig);
+    if (!rig.devices.light) {
       OpenLightAndMonitor(file, seed, rig);
+      OpenWheel(file.config, opener, rig);
     }
     OpenCameraOf(file, sample, seed, rig);
   } catch (const std::runtime_error& e) {

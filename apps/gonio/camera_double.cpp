@@ -44,6 +44,8 @@ class Scene {
   Scene(const RigFile& file, const GigeCameraSettings& settings, const DeviceBench& bench,
         const Brdf& sample)
       : truth_(file.simulation),
+        leds_(file.config.colour_channels.has_value()),
+        wheel_(file.config.filter_wheel),
         bench_(bench),
         sample_(sample),
         imager_(file.simulation, file.built, settings.sensor_width, settings.sensor_height,
@@ -54,6 +56,7 @@ class Scene {
     for (std::size_t i = 0; i < view.arms.size(); ++i) view.arms[i] = bench_.Angle(i);
     view.arms = view.arms + truth_.axis_offset;
     view.power = bench_.LampPower();
+    view.spectrum = Spectrum();
     view.readout = {.exposure = settings.exposure,
                     .gain_db = settings.gain_db,
                     .black_level = settings.black_level,
@@ -65,7 +68,23 @@ class Scene {
   }
 
  private:
+  Rgb Spectrum() const {
+    if (leds_) return SpectrumOf(bench_.LampColour(), truth_.colour_crosstalk);
+    if (!wheel_) return Rgb::Ones();
+    // The wheel is the bench's last axis.
+    const double at = bench_.Angle(kAxes);
+    for (const LightColour colour : kLightColours) {
+      const double off = at - wheel_->positions[static_cast<std::size_t>(colour)];
+      if (std::abs(off) <= 2 * wheel_->limits.position_tolerance) {
+        return SpectrumOf(colour, truth_.colour_crosstalk);
+      }
+    }
+    return Rgb::Zero();
+  }
+
   const SimConfig truth_;
+  const bool leds_;
+  const std::optional<FilterWheel> wheel_;
   const DeviceBench& bench_;
   const Brdf& sample_;
   SimImager imager_;

@@ -7,6 +7,7 @@
 #include <map>
 #include <optional>
 #include <system_error>
+#include <utility>
 
 #include "apps/gonio/system_files.h"
 #include "drivers/permission.h"
@@ -89,15 +90,22 @@ std::vector<Finding> CheckUsbInstruments() {
 }
 
 std::vector<Finding> CheckPortsOf(const RigConfig& rig) {
-  std::map<std::string, const AxisDevice*> ports;  // each once
-  for (const auto& device : rig.axis_devices) {
-    if (device) ports.emplace(device->port.port, &*device);
+  // Each once, with where the rig file first names it.
+  std::map<std::string, std::pair<SerialSettings, std::string>> ports;
+  const auto add = [&](const std::optional<AxisDevice>& device) {
+    if (device) ports.emplace(device->port.port, std::pair(device->port, device->where));
+  };
+  for (const auto& device : rig.axis_devices) add(device);
+  if (rig.filter_wheel) add(rig.filter_wheel->device);
+  if (rig.light_device.driver == LightDevice::Driver::kDc4100) {
+    const LightDevice& light = rig.light_device;
+    ports.emplace(light.port.port, std::pair(light.port, light.where));
   }
   std::vector<Finding> findings;
-  for (const auto& [name, device] : ports) {
-    const auto port = SerialPort::Open(device->port);
+  for (const auto& [name, line] : ports) {
+    const auto port = SerialPort::Open(line.first);
     findings.push_back(port ? Finding{Kind::kFine, name, "can be opened"}
-                            : Finding{Kind::kWrong, device->where, port.error().message});
+                            : Finding{Kind::kWrong, line.second, port.error().message});
   }
   return findings;
 }

@@ -98,7 +98,7 @@ int ExportFrames(const std::filesystem::path& input, const std::filesystem::path
     int number = 0;
     for (const Exposure& exposure : exposures) {
       WriteFrameFile(folder / fmt::format("frame-{:02}.yaml", ++number), FormatOf(exposure.frame),
-                     {exposure.frame, exposure.monitor});
+                     {exposure.frame, exposure.monitor, exposure.colour});
     }
     written += number;
   }

@@ -48,9 +48,10 @@ class StandIn {
     const std::optional<Rgb> f_r = estimate_.Eval(pair);
     if (!f_r) return std::nullopt;
     ++estimated_;
-    return BrdfSample{.directions = pair,
-                      .f_r = *f_r,
-                      .sigma = ExpectedSigma(pair, *f_r, rig_.dense_exposure, rig_)};
+    return BrdfSample{
+        .directions = pair,
+        .f_r = *f_r,
+        .sigma = ExpectedSigma(pair, *f_r, Rgb::Constant(rig_.dense_exposure.count()), rig_)};
   }
 
   int measured() const { return measured_; }

@@ -89,6 +89,19 @@ std::string MaterialName(const ReportFacts& facts) {
                           : material.stem().string();
 }
 
+// Empty for a light without colours.
+std::string LightText(const ReportFacts& facts) {
+  if (!facts.rig.by_colour) return "";
+  std::string frames;
+  for (const LightColour colour : kLightColours) {
+    const auto found = facts.session.frames_by_colour.find(ToString(colour));
+    const int count = found == facts.session.frames_by_colour.end() ? 0 : found->second;
+    frames += fmt::format("{}{} in {}", frames.empty() ? "" : ", ", count, ToString(colour));
+  }
+  return fmt::format("one colour after the other{}: {} frames",
+                     facts.rig.filter_wheel ? ", by a filter wheel" : "", frames);
+}
+
 std::string Percent(double share) {
   return fmt::format("{:.{}f} %", 100 * share, share < 0.1 || share > 0.9 ? 1 : 0);
 }
@@ -177,6 +190,7 @@ std::string Summary(const ReportFacts& facts) {
   return FactTable({
       {"Material", info.material_path.empty() ? "a real sample" : info.material_path},
       {"Rig", facts.rig.name + (facts.rig.simulated ? " (simulated)" : "")},
+      {"Light", LightText(facts)},
       {"Plan", facts.plan.name},
       {"Prior", info.prior_name},
       {"Seed", std::to_string(info.seed)},

@@ -61,7 +61,7 @@ int RunCommand(const RunOptions& options) {
   if (setup.material) WarnIfSeen(setup.plan.prior, choice.material_path.stem().string());
   const DriveOptions drive = DriveOptionsOf(options, setup.rig.config);
   OpenedRig rig = Open(setup, options.seed);
-  const Calibrations calibrations = LoadFor(setup.rig.config, *rig.devices.camera);
+  const Calibrations calibrations = LoadFor(setup.rig.config, rig.devices);
   Believe(calibrations, &setup.rig.config);
   const std::unique_ptr<Planner> planner = PlannerFor(setup, options.seed);
   EventLog log = EventLog::Create(options.out, Describe(choice, setup, calibrations, rig.devices));

@@ -107,11 +107,13 @@ std::vector<fs::path> FilesOfTheWhole(const RigConfig& rig) {
 }
 
 // Those of the rig's folder, for this camera; says which they are and how old.
-Calibrations LoadFor(const RigConfig& rig, const Camera& camera) {
+Calibrations LoadFor(const RigConfig& rig, const Devices& devices) {
   const CalibrationPolicy& policy = rig.calibration;
   if (policy.folder.empty()) return {};
   const std::int64_t now = std::time(nullptr);
-  Calibrations calibrations = LoadCalibrations(policy, SensorFormatOf(rig, camera.identity()), now);
+  Calibrations calibrations =
+      LoadCalibrations(policy, SensorFormatOf(rig, devices.camera->identity()), now,
+                       LightFormatOf(rig, *devices.light));
   std::vector<std::string> ages;
   if (!calibrations.empty()) ages.push_back(AgesOf(calibrations, now));
   std::vector<std::string> old = OldOnes(calibrations, policy, now);

@@ -60,7 +60,7 @@ OpenedRig Open(const SessionSetup& setup, std::uint64_t seed, Seconds begin = Se
 std::vector<std::filesystem::path> FilesOfTheWhole(const RigConfig& rig);
 
 // Those of the rig's folder, for this camera; says which they are and how old.
-Calibrations LoadFor(const RigConfig& rig, const Camera& camera);
+Calibrations LoadFor(const RigConfig& rig, const Devices& devices);
 
 // SHA-256 of a material's file; empty for one that is a session.
 std::string HashOfMaterial(const std::filesystem::path& path);

@@ -35,6 +35,10 @@ BenchDevices DevicesOf(const std::string& file, const RigConfig& rig) {
     devices.axes.push_back(*rig.axis_devices[i]);
     devices.limits.push_back(rig.axes[i]);
   }
+  if (rig.filter_wheel) {
+    devices.axes.push_back(*rig.filter_wheel->device);
+    devices.limits.push_back(rig.filter_wheel->limits);
+  }
   devices.light = rig.light_device;
   devices.monitor = rig.monitor_device;
   return devices;

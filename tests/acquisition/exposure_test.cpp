@@ -128,7 +128,7 @@ TEST(NextExposure, MakesEveryChannelGoodFromAnyStartInFewFrames) {
 TEST(NextExposure, ShortensByHowMuchIsClipped) {
   const RigConfig rig = DefaultRig();
   const auto after = [&](const Exposure& taken) {
-    return NextExposure({taken}, kRegions, rig)->count();
+    return NextExposure(std::vector{taken}, kRegions, rig)->count();
   };
   Exposure all = Take(Rgb::Constant(1e6), Seconds(0.32), rig);
   EXPECT_DOUBLE_EQ(after(all), 0.02);

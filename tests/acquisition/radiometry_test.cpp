@@ -196,7 +196,8 @@ TEST(ExpectedSigma, IsThatOfTheReading) {
   ASSERT_TRUE(record.ok()) << record.error().message;
   ASSERT_EQ(record->exposures.size(), 1u);
   const Rgb stated = Reduce(*record, config).front().sigma;
-  const Rgb expected = ExpectedSigma(pair, f_r, record->exposures.front().frame.exposure, config);
+  const Rgb expected = ExpectedSigma(
+      pair, f_r, Rgb::Constant(record->exposures.front().frame.exposure.count()), config);
   EXPECT_LT((expected / stated - 1).abs().maxCoeff(), 0.1) << (expected / stated).transpose();
 }
 

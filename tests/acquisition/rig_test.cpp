@@ -50,6 +50,57 @@ TEST(ReadRig, ReadsTheDefaultFileInRadiansAndSeconds) {
   EXPECT_EQ(rig.dense_brackets, 3);
 }
 
+std::string LedsEdited(const std::string& from, const std::string& to) {
+  std::string text = ReadTextFile(kLedRigFile);
+  const auto at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+constexpr const char* kColours = "colours: {red: 0, green: 1, blue: 2}";
+constexpr const char* kWheel =
+    "filter_wheel: {min_deg: 0, max_deg: 350, max_speed_deg_s: 90, acceleration_deg_s2: 180, "
+    "tolerance_deg: 0.1, positions_deg: ";
+
+TEST(ReadRig, ReadsTheColoursOfALight) {
+  const RigConfig leds = ReadRig(ConfigNode::Load(kLedRigFile), "");
+  EXPECT_TRUE(leds.by_colour);
+  EXPECT_EQ(leds.colour_channels, (ColourChannels{0, 1, 2}));
+  EXPECT_EQ(leds.colour_settle, Seconds(0.02));
+  const std::string text =
+      LedsEdited(kColours, kWheel + std::string("{red: 10, green: 130, blue: 250}}"));
+  const RigConfig wheel = ReadRig(ConfigNode::Parse(text, "rig.yaml"), text);
+  EXPECT_TRUE(wheel.by_colour);
+  EXPECT_FALSE(wheel.colour_channels);
+  EXPECT_NEAR(wheel.filter_wheel->positions[1], RadFromDeg(130), 1e-12);
+  EXPECT_NEAR(wheel.filter_wheel->limits.max_speed, RadFromDeg(90), 1e-12);
+  EXPECT_FALSE(DefaultRig().by_colour);
+}
+
+TEST(ReadRig, RefusesColoursThatMakeNoSense) {
+  EXPECT_EQ(ComplaintAbout(LedsEdited("layout: mono ", "layout: rgb ")),
+            "light.colours: camera.layout is rgb: such a camera tells colours apart by itself and "
+            "wants white light; only one of layout mono is lit by one colour after the other");
+  EXPECT_EQ(ComplaintAbout(LedsEdited("layout: mono ", "layout: bayer-rg ")).substr(0, 37),
+            "light.colours: camera.layout is bayer");
+  EXPECT_EQ(ComplaintAbout(LedsEdited(kColours, "colours: {red: 0, blue: 1}")),
+            "light.colours.green: is missing");
+  EXPECT_EQ(ComplaintAbout(LedsEdited(kColours, "colours: {red: 0, green: 1, blue: 0}")),
+            "light.colours.blue: channel 0 is that of red");
+  const auto wheel = [](const std::string& positions) {
+    return ComplaintAbout(LedsEdited(kColours, kWheel + positions + "}"));
+  };
+  EXPECT_EQ(wheel("{red: 10, green: 130}"), "light.filter_wheel.positions_deg.blue: is missing");
+  EXPECT_EQ(wheel("{red: 10, green: 130, blue: 351}"),
+            "light.filter_wheel.positions_deg.blue: is outside min_deg .. max_deg, give or take "
+            "approach_deg");
+  EXPECT_EQ(wheel("{red: 10, green: 130, blue: 10.1}"),
+            "light.filter_wheel.positions_deg.blue: is within tolerance_deg of red");
+  EXPECT_EQ(ComplaintAbout(LedsEdited(kColours, kColours + std::string("\n  ") + kWheel +
+                                                    "{red: 10, green: 130, blue: 250}}")),
+            "light.filter_wheel: the light has colours already (light.colours)");
+}
+
 TEST(ReadRig, ReadsWhatAnImageSees) {
   const std::string text = ReadTextFile(kSimRigFile) + R"(
 imaging:

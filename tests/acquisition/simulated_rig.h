@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 #include "acquisition/measure.h"
 #include "core/units.h"
 #include "sim/sim_rig.h"
@@ -21,6 +23,40 @@ inline RigConfig DefaultRig() {
 inline SimConfig DefaultTruth() {
   static const SimConfig truth = ReadSim(ConfigNode::Load(kSimRigFile));
   return truth;
+}
+
+// A mono camera in front of three LEDs.
+inline const char* const kLedRigFile = GONIO_SOURCE_DIR "/configs/sim-rig-leds.yaml";
+inline RigConfig LedRig() {
+  static const RigConfig rig = ReadRig(ConfigNode::Load(kLedRigFile), "");
+  return rig;
+}
+// The same with a wheel of filters in place of the LEDs.
+inline RigConfig WheelRig() {
+  RigConfig rig = LedRig();
+  rig.colour_channels.reset();
+  rig.filter_wheel = FilterWheel{.limits = {.min_position = 0,
+                                            .max_position = 5,
+                                            .max_speed = 2,
+                                            .acceleration = 8,
+                                            .position_tolerance = RadFromDeg(0.1)},
+                                 .device = {},
+                                 .positions = {0.5, 2, 4}};
+  return rig;
+}
+
+inline SimSetup SetupOf(const RigConfig& rig) {
+  SimSetup setup{.axes = rig.axes,
+                 .home_limit = rig.motion.home_limit,
+                 .camera = rig.camera,
+                 .imaging = rig.imaging};
+  setup.leds = rig.colour_channels.has_value();
+  if (rig.filter_wheel) {
+    setup.wheel = SimWheel{
+        .limits = rig.filter_wheel->limits,
+        .filters = {.positions = rig.filter_wheel->positions, .retries = rig.motion.retries}};
+  }
+  return setup;
 }
 
 // The same f_r everywhere above the horizon.
@@ -51,15 +87,16 @@ class SimulatedRig {
  public:
   explicit SimulatedRig(const Brdf& sample, std::uint64_t seed = 1,
                         const RigConfig& config = DefaultRig(),
-                        const SimConfig& truth = DefaultTruth())
-      : rig(config) {
-    SimDevices sim = MakeSimDevices(
-        truth, {rig.axes, rig.motion.home_limit, rig.camera, rig.imaging}, sample, clock, seed);
+                        const SimConfig& truth = DefaultTruth(), Seconds begin = Seconds(0))
+      : clock(begin), rig(config) {
+    SimDevices sim = MakeSimDevices(truth, SetupOf(rig), sample, clock, seed);
     devices.axes = std::move(sim.axes);
     devices.camera = std::move(sim.camera);
     devices.light = std::move(sim.light);
     devices.monitor = std::move(sim.monitor);
     motors = sim.motors;
+    wheel = sim.wheel;
+    draw = sim.draw;
     lamp = sim.lamp;
   }
 
@@ -71,9 +108,11 @@ class SimulatedRig {
   }
 
   ManualClock clock;
+  std::function<void(std::uint64_t)> draw;
   RigConfig rig;
   Devices devices;
   SimMotors motors;
+  std::shared_ptr<SimMotor> wheel;
   std::shared_ptr<SimLamp> lamp;
 };
 

@@ -33,6 +33,23 @@ class SimDevices : public GonioTest {
   }
 };
 
+// The light and the monitor of a bench, by colours.
+std::string WithLeds(std::string rig) {
+  const auto put = [&](const std::string& old, const std::string& now) {
+    const auto at = rig.find(old);
+    ASSERT_NE(at, std::string::npos) << old;
+    rig.replace(at, old.size(), now);
+  };
+  put("device: {driver: dc2200, usb_serial: M00412345, full_current_a: 0.7}",
+      "device: {driver: dc4100, port: 'usb:LEDS', full_currents_a: [0.7, 0.5, 0.35]}\n"
+      "  colours: {red: 3, green: 0, blue: 1}");
+  put("wavelength_nm: 550, averaging: 10,\n           reference_w: 0.8e-3}",
+      "averaging: 10, colours: {red: {wavelength_nm: 625, reference_w: 1.0e-3}, "
+      "green: {wavelength_nm: 530, reference_w: 0.5e-3}, "
+      "blue: {wavelength_nm: 470, reference_w: 2.0e-3}}}");
+  return rig;
+}
+
 // The messages that wire.log shows, by link.
 std::map<std::string, long> SentIn(const std::string& log) {
   std::map<std::string, long> sent;
@@ -88,6 +105,28 @@ TEST_F(SimCameraDevices, ASessionWithACameraMeasuresTheSample) {
   EXPECT_THAT(record.info.devices.at("camera"), HasSubstr("GigE double, serial GP0001"));
   EXPECT_EQ(record.info.material_path, "");
   ASSERT_EQ(record.poses.size(), 4u);
+  for (const MeasuredPose& pose : record.poses) {
+    const BrdfSample& sample = pose.samples.front();
+    const Rgb miss = (sample.f_r - Rgb(0.2, 0.4, 0.6) / kPi) / sample.sigma;
+    EXPECT_LT(miss.abs().maxCoeff(), 5) << sample.f_r;
+  }
+}
+
+// A mono camera that sees one LED at a time, each with a monitor reading of its own.
+TEST_F(SimCameraDevices, ASessionWithAMonoCameraMeasuresInThreeColours) {
+  File("grey.yaml", kGrey);
+  std::string rig =
+      With(Config("bench-camera.yaml"), "pixel_format: BayerRG12", "pixel_format: Mono12");
+  rig = With(rig, "layout: bayer-rg", "layout: mono");
+  File("rig.yaml", WithLeds(rig));
+  const Finished finished = OnBench(
+      "rig.yaml --material grey.yaml",
+      "sh -c '\"$GONIO\" doctor --rig rig.yaml; \"$GONIO\" run --rig rig.yaml --max-poses 3 "
+      "--out session'");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  EXPECT_THAT(finished.out, HasSubstr("usb:LEDS"));
+  const SessionRecord record = ReadSession(work() / "session");
+  ASSERT_EQ(record.poses.size(), 3u);
   for (const MeasuredPose& pose : record.poses) {
     const BrdfSample& sample = pose.samples.front();
     const Rgb miss = (sample.f_r - Rgb(0.2, 0.4, 0.6) / kPi) / sample.sigma;
@@ -243,6 +282,52 @@ TEST_F(SimDevices, HasADoubleOfEveryLight) {
   const auto devices = ReadSession(work() / "s").info.devices;
   EXPECT_THAT(devices.at("light"), HasSubstr("DC4100"));
   EXPECT_THAT(devices.at("camera_azimuth"), HasSubstr("KBD101"));
+}
+
+// Three LEDs before a mono camera, and a meter that is set to each one's wavelength.
+TEST_F(SimDevices, ASessionInThreeColoursMeasuresTheSample) {
+  File("grey.yaml", kGrey);
+  File("rig.yaml",
+       WithLeds(With(Config("bench-wire.yaml"), "camera:\n", "camera:\n  layout: mono\n")));
+  const Finished finished = OnBench(
+      "rig.yaml", "\"$GONIO\" run --rig rig.yaml --material grey.yaml --max-poses 4 --out session");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const SessionRecord record = ReadSession(work() / "session");
+  ASSERT_EQ(record.poses.size(), 4u);
+  for (const MeasuredPose& pose : record.poses) {
+    const Rgb miss =
+        (pose.samples.front().f_r - Rgb(0.2, 0.4, 0.6) / kPi) / pose.samples.front().sigma;
+    EXPECT_LT(miss.abs().maxCoeff(), 5) << pose.samples.front().f_r;
+  }
+  EXPECT_THAT(record.info.devices.at("light"), HasSubstr("; green channel 0: LED"));
+  EXPECT_THAT(record.info.devices.at("monitor"), HasSubstr("625 / 530 / 470 nm"));
+  for (const char* colour : {"red", "green", "blue"}) {
+    EXPECT_GE(record.frames_by_colour.at(colour), 4) << colour;
+  }
+}
+
+// On the line of the arms' stages.
+TEST_F(SimDevices, ASessionWithAFilterWheelMeasuresTheSample) {
+  File("grey.yaml", kGrey);
+  std::string rig =
+      With(Config("bench-wire.yaml"), "  device: {driver: dc2200",
+           "  filter_wheel: {min_deg: -5, max_deg: 355, max_speed_deg_s: 90, acceleration_deg_s2: "
+           "180, tolerance_deg: 0.1, positions_deg: {red: 0, green: 120, blue: 240},\n    device: "
+           "{driver: zaber, port: 'usb:BENCH-CHAIN', address: 3}}\n  device: {driver: dc2200");
+  rig = With(rig, "camera:\n", "camera:\n  layout: mono\n");
+  File("rig.yaml", rig);
+  const Finished finished = OnBench(
+      "rig.yaml", "\"$GONIO\" run --rig rig.yaml --material grey.yaml --max-poses 3 --out session");
+  ASSERT_EQ(finished.code, 0) << finished.err;
+  const SessionRecord record = ReadSession(work() / "session");
+  ASSERT_EQ(record.poses.size(), 3u);
+  for (const MeasuredPose& pose : record.poses) {
+    const Rgb miss =
+        (pose.samples.front().f_r - Rgb(0.2, 0.4, 0.6) / kPi) / pose.samples.front().sigma;
+    EXPECT_LT(miss.abs().maxCoeff(), 5) << pose.samples.front().f_r;
+  }
+  EXPECT_THAT(record.info.devices.at("light"),
+              HasSubstr("filters red at 0, green at 120, blue at 240 deg of Zaber device 50081"));
 }
 
 TEST_F(SimDevices, EveryExchangeIsInTheLog) {

@@ -13,14 +13,20 @@ constexpr double kGlare = 0.03;   // of the true mean, which the simulator adds
 constexpr double kTrap = 0.004;   // m
 constexpr double kPatch = 0.012;  // albedo of a dark patch in a white surround
 
-// The camera of configs/sim-imperfect.yaml with a lens, 64 pixels each way.
-RigConfig LensRig() {
+// The camera of configs/sim-imperfect.yaml with a lens, 64 pixels each way; or a mono one before
+// three LEDs.
+RigConfig LensRig(bool leds = false) {
   RigConfig rig = ImperfectRig();
   rig.camera.width = rig.camera.height = 64;
   rig.imaging.focal_length = 2000;
   rig.imaging.camera_distance = 0.5;
   rig.imaging.light_distance = 0.8;
   rig.imaging.patch_radius = 0.6 * kTrap;
+  if (leds) {
+    rig.camera.layout = PixelLayout::kMono;
+    rig.by_colour = true;
+    rig.colour_channels = ColourChannels{0, 1, 2};
+  }
   return rig;
 }
 
@@ -42,8 +48,8 @@ SimConfig WithHole(double radius, double albedo) {
 
 Result<StepReport> RunOnLens(StepFunction step, const Brdf& mounted,
                              const std::filesystem::path& folder, const SimConfig& truth,
-                             std::uint64_t seed) {
-  SimulatedRig rig(mounted, seed, LensRig(), truth);
+                             std::uint64_t seed, bool leds = false) {
+  SimulatedRig rig(mounted, seed, LensRig(leds), truth);
   StepOptions options;
   options.folder = folder;
   options.standard = kStandardFile;
@@ -102,6 +108,32 @@ TEST(Glare, IsFoundWithinItsError) {
   EXPECT_EQ((*Both().without.stray)[0].glare.value, 0);
   // The background stays what it was.
   EXPECT_EQ((*Both().with.stray)[1].background.value, (*Both().without.stray)[1].background.value);
+}
+
+// Of a mono camera before three LEDs.
+TEST(Glare, IsFoundInEachColourOfTheLight) {
+  const TempDir dir;
+  const std::filesystem::path& folder = dir.path();
+  Expect(RunOnLens(CalibrateDarks, Trap(), folder, LensTruth(), 20, true));
+  Expect(RunOnLens(CalibratePhotonTransfer, WhiteTile(), folder, LensTruth(), 21, true));
+  Expect(RunOnLens(CalibrateFlat, WhiteTile(), folder, LensTruth(), 22, true));
+  Expect(RunOnLens(CalibrateStrayLight, Trap(), folder, LensTruth(), 23, true));
+  Expect(RunOnLens(CalibrateGlare, Trap(), folder, WithHole(kTrap, 0), 24, true));
+  CalibrationPolicy policy;
+  policy.folder = folder;
+  SensorFormat format = ImperfectFormat();
+  format.width = format.height = 64;
+  format.layout = PixelLayout::kMono;
+  const Calibrations found =
+      LoadCalibrations(policy, format, kToday, "simulated, red, green and blue");
+  const double planted = kGlare / (1 + kGlare);
+  for (const StrayLight& stray : *found.stray) {
+    EXPECT_GT(stray.glare.sigma, 0);
+    EXPECT_LT(stray.glare.sigma, 0.002);
+    EXPECT_NEAR(stray.glare.value, planted, 3.5 * stray.glare.sigma);
+  }
+  // Each of its own frames.
+  EXPECT_NE((*found.stray)[0].glare.value, (*found.stray)[2].glare.value);
 }
 
 struct Found {

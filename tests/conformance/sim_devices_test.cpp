@@ -78,6 +78,37 @@ LightSubject DriftingLight() {
   return subject;
 }
 
+LightSubject ThreeLeds() {
+  LightSubject subject = DriftingLight();
+  auto lamp = std::make_shared<SimLamp>(0);
+  lamp->GiveColours(0);
+  subject.light = std::make_unique<SimLight>("light", lamp);
+  subject.emitted = [lamp] { return lamp->PowerAt(Seconds(0)); };
+  subject.turn_by_hand = [lamp](double level) { lamp->set_level(level); };
+  subject.emitted_in = [lamp](LightColour colour) {
+    const double band = lamp->SpectrumAt(Seconds(0))[static_cast<int>(colour)] / kChannels;
+    return lamp->PowerAt(Seconds(0)) * band;
+  };
+  return subject;
+}
+
+LightSubject WheelBeforeALamp() {
+  SimSetup setup;
+  for (AxisLimits& axis : setup.axes) axis = {0, 1, 1, 1, 0.01};
+  setup.wheel = SimWheel{.limits = {-1, 5, 1, 2, 1e-3}, .filters = {.positions = {0, 2, 4}}};
+  const auto clock = std::make_shared<ManualClock>();
+  SimDevices devices = MakeSimDevices({}, setup, kGrey, *clock, 1);
+  LightSubject subject;
+  subject.emitted = [lamp = devices.lamp, clock] { return lamp->PowerAt(clock->Now()); };
+  subject.turn_by_hand = [lamp = devices.lamp](double level) { lamp->set_level(level); };
+  subject.emitted_in = [lamp = devices.lamp, clock](LightColour colour) {
+    const double band = lamp->SpectrumAt(clock->Now())[static_cast<int>(colour)] / kChannels;
+    return lamp->PowerAt(clock->Now()) * band;
+  };
+  subject.light = std::move(devices.light);
+  return subject;
+}
+
 MonitorSubject NoisyMonitor() {
   const auto clock = std::make_shared<ManualClock>();
   auto lamp = std::make_shared<SimLamp>(0);
@@ -95,6 +126,8 @@ INSTANTIATE_TEST_SUITE_P(SimImperfect, AxisConformance, testing::Values(Imperfec
 INSTANTIATE_TEST_SUITE_P(Sim, CameraConformance, testing::Values(NoisyCamera));
 INSTANTIATE_TEST_SUITE_P(SimImaging, CameraConformance, testing::Values(ImagingCamera));
 INSTANTIATE_TEST_SUITE_P(Sim, LightConformance, testing::Values(DriftingLight));
+INSTANTIATE_TEST_SUITE_P(SimLeds, LightConformance, testing::Values(ThreeLeds));
+INSTANTIATE_TEST_SUITE_P(SimWheel, LightConformance, testing::Values(WheelBeforeALamp));
 INSTANTIATE_TEST_SUITE_P(Sim, MonitorConformance, testing::Values(NoisyMonitor));
 
 }  // namespace

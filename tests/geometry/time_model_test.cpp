@@ -148,6 +148,12 @@ TEST(AddTimes, CountsOnlyMovesWhoseBeginningIsKnown) {
   EXPECT_NEAR(times.moves[0].way[kLightAzimuth], 0.1, 1e-12);
   ASSERT_EQ(times.poses.size(), 3u);
   EXPECT_NEAR(times.poses[0].spare.count(), 0.3, 1e-12);
+  // Two changes of the light's colour are foreseen by the rig, and not to be counted again.
+  rig.by_colour = true;
+  rig.colour_settle = Seconds(0.05);
+  LoggedTimes coloured;
+  AddTimes(session, rig, coloured);
+  EXPECT_NEAR(coloured.poses[0].spare.count(), 0.2, 1e-12);
 }
 
 TEST(ReadTimes, ReadsWhatWasWritten) {

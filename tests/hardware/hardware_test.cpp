@@ -101,6 +101,13 @@ LightSubject RigLight() {
   if (!subject.absent.empty()) return subject;
   const std::shared_ptr<Monitor> monitor = OpenRigMonitor();
   subject.light = OpenRigLight();
+  // One monitor cannot tell colours apart: it judges that with which each test begins.
+  if (subject.light->has_colours()) {
+    const auto selected = subject.light->Select(LightColour::kGreen, {});
+    if (!selected) throw std::runtime_error(selected.error().message);
+    const auto told = monitor->Expect(LightColour::kGreen);
+    if (!told) throw std::runtime_error(told.error().message);
+  }
   if (auto lit = subject.light->SetLevel(1); !lit) throw std::runtime_error(lit.error().message);
   const double full = ReadOrThrow(*monitor);
   subject.emitted = [monitor, full] { return ReadOrThrow(*monitor) / full; };

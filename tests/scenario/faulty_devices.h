@@ -123,6 +123,15 @@ class FaultyLight final : public Light {
     if (auto fault = faults.Of("Level")) return *fault;
     return light_->Level();
   }
+  bool has_colours() const override { return light_->has_colours(); }
+  Result<void> Select(LightColour colour, std::stop_token stop) override {
+    if (auto fault = faults.Of("Select")) return *fault;
+    return light_->Select(colour, std::move(stop));
+  }
+  Result<std::optional<LightColour>> Selected() override {
+    if (auto fault = faults.Of("Selected")) return *fault;
+    return light_->Selected();
+  }
 
  private:
   const std::unique_ptr<Light> light_;
@@ -141,6 +150,7 @@ class FaultyMonitor final : public Monitor {
     if (auto fault = faults.Of("Read")) return *fault;
     return monitor_->Read();
   }
+  Result<void> Expect(LightColour colour) override { return monitor_->Expect(colour); }
 
  private:
   const std::unique_ptr<Monitor> monitor_;

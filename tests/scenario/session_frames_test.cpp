@@ -51,7 +51,8 @@ TEST(SessionFrames, RefusesAFrameThatIsCutOff) {
     sqlite::Database db(dir / "s" / kSessionFile, SQLITE_OPEN_READWRITE);
     db.Execute("PRAGMA foreign_keys = OFF");
     db.Execute(
-        "INSERT INTO exposures VALUES (1, 1, 0.1, 0, 1, 0, 0, NULL, 4, 4, 'mono', 0, 0, 0, x'00')");
+        "INSERT INTO exposures VALUES (1, 1, 0.1, 0, 1, 0, 0, NULL, 4, 4, 'mono', NULL, 0, 0, 0, "
+        "x'00')");
   }
   SessionFrames frames(dir / "s");
   EXPECT_THAT(MessageOf<ConfigError>([&] { (void)frames.Of(1); }),

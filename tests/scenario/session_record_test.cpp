@@ -87,7 +87,8 @@ TEST(SessionRecord, ReadsTheFormatBefore) {
         "DELETE FROM meta WHERE key = 'calibrations';"
         "ALTER TABLE samples DROP COLUMN sigma_systematic_red;"
         "ALTER TABLE samples DROP COLUMN sigma_systematic_green;"
-        "ALTER TABLE samples DROP COLUMN sigma_systematic_blue; PRAGMA user_version = 2");
+        "ALTER TABLE samples DROP COLUMN sigma_systematic_blue;"
+        "ALTER TABLE exposures DROP COLUMN colour; PRAGMA user_version = 2");
   }
   const SessionRecord before = ReadSession(dir / "s");
   ASSERT_EQ(before.poses.size(), 1u);
@@ -104,7 +105,7 @@ TEST(SessionRecord, RefusesAnotherFormatVersion) {
     db.Execute("PRAGMA user_version = 99");
   }
   EXPECT_THAT(MessageOf<ConfigError>([&] { (void)ReadSession(dir / "s"); }),
-              HasSubstr("has session format 99, this program reads formats 1 to 3"));
+              HasSubstr("has session format 99, this program reads formats 1 to 4"));
 }
 
 TEST(SessionRecord, RefusesADamagedFile) {

@@ -46,10 +46,9 @@ struct Bench {
   }
   static ThorlabsMonitorSettings MonitorSettings() {
     return {.name = "monitor",
-            .wavelength_nm = 550,
+            .colours = {{.wavelength_nm = 550, .reference = kReference}},
             .averaging = 100,
             .range = 0,
-            .reference = kReference,
             .reply_limit = kShortLimit,
             .reading_limit = kShortLimit};
   }
@@ -188,7 +187,7 @@ std::string WhyNot(Bench& bench, const ThorlabsMonitorSettings& settings) {
 TEST(ThorlabsMonitor, RefusesSettingsThatItCannotHave) {
   Bench bench;
   ThorlabsMonitorSettings settings = Bench::MonitorSettings();
-  settings.wavelength_nm = 1550;
+  settings.colours[0].wavelength_nm = 1550;
   EXPECT_EQ(WhyNot(bench, settings),
             "monitor: 1550 nm is outside 400 .. 1100 nm, the sensor's own");
   settings = Bench::MonitorSettings();
@@ -198,7 +197,7 @@ TEST(ThorlabsMonitor, RefusesSettingsThatItCannotHave) {
   settings.averaging = 0;
   EXPECT_THAT(WhyNot(bench, settings), HasSubstr("refused \"SENS:AVER 0\": -222"));
   settings = Bench::MonitorSettings();
-  settings.reference = 0;
+  settings.colours[0].reference = 0;
   EXPECT_THAT(WhyNot(bench, settings), HasSubstr("a reference power of 0 W is not above 0"));
 }
 
@@ -208,6 +207,35 @@ TEST(ThorlabsMonitor, NoticesASettingThatWasNotTaken) {
   bench.meter.set_rounds_wavelength_to(100);
   EXPECT_EQ(WhyNot(bench, Bench::MonitorSettings()),
             "monitor: USB 1313:8078 P0012345: SENS:CORR:WAV was set to 550 and reads 600");
+}
+
+// Example failure is blue that is read with the photodiode's response to red.
+TEST(ThorlabsMonitor, ReadsEachColourAtItsWavelengthAndRelativeToItsPower) {
+  Bench bench;
+  ThorlabsMonitorSettings settings = Bench::MonitorSettings();
+  settings.colours = {{.wavelength_nm = 625, .reference = 1e-3},
+                      {.wavelength_nm = 530, .reference = 2e-3},
+                      {.wavelength_nm = 470, .reference = 4e-3}};
+  const auto monitor = bench.OpenMonitor(settings);
+  ASSERT_TRUE(monitor.ok()) << monitor.error().message;
+  EXPECT_THAT((*monitor)->identity(), HasSubstr("625 / 530 / 470 nm"));
+  EXPECT_THAT((*monitor)->identity(), HasSubstr("1 is 0.001 / 0.002 / 0.004 W"));
+  bench.daylight = 1e-3;
+  const std::array<double, 3> read = {1, 0.5, 0.25};
+  for (const LightColour colour : {LightColour::kBlue, LightColour::kRed, LightColour::kGreen}) {
+    const auto i = static_cast<std::size_t>(colour);
+    ASSERT_TRUE((*monitor)->Expect(colour).ok());
+    EXPECT_EQ(bench.meter.wavelength_nm(), settings.colours[i].wavelength_nm);
+    EXPECT_NEAR(*(*monitor)->Read(), read[i], 1e-6);
+  }
+}
+
+TEST(ThorlabsMonitor, RefusesAWavelengthOfAnyColourThatItsSensorDoesNotHave) {
+  Bench bench;
+  ThorlabsMonitorSettings settings = Bench::MonitorSettings();
+  settings.colours.resize(3, settings.colours[0]);
+  settings.colours[2].wavelength_nm = 300;
+  EXPECT_EQ(WhyNot(bench, settings), "monitor: 300 nm is outside 400 .. 1100 nm, the sensor's own");
 }
 
 TEST(ThorlabsMonitor, RefusesAMeterWithoutSensor) {
