@@ -55,7 +55,9 @@ WalTail ReadWalTail(const std::filesystem::path& wal) {
     const Bytes header = all.subspan(at, kFrameHeader);
     // Frames of an earlier round through the log are no part of it.
     if (!std::equal(salts.begin(), salts.end(), header.begin() + 8)) break;
-    bool sound = at + frame <= all.size() && tail.damaged == 0;
+    // A frame is written in two parts, so a process that was killed may leave its header alone.
+    if (at + frame > all.size()) break;
+    bool sound = tail.damaged == 0;
     if (sound) {
       sum = Continue(sum, header.first(8), big);
       sum = Continue(sum, all.subspan(at + kFrameHeader, page), big);
