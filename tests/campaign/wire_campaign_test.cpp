@@ -32,6 +32,7 @@ class TrueScene final : public SimScene {
   }
   bool MovingBetween(Seconds, Seconds) const override { return false; }
   double PowerAt(Seconds time) const override { return lamp_->PowerAt(time); }
+  Rgb SpectrumAt(Seconds time) const override { return lamp_->SpectrumAt(time); }
 
  private:
   const WireBench& doubles_;
