@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -40,35 +41,46 @@ AxisLimits ReadAxis(const ConfigNode& node, Range allowed) {
   return limits;
 }
 
+void ReadAxes(const ConfigNode& axes, RigConfig& rig) {
+  const RigKind kind = rig.geometry.kind;
+  rig.axis_count = static_cast<int>(AxisNames(kind).size());
+  for (int i = 0; i < rig.axis_count; ++i) {
+    const ConfigNode axis = axes.Map(AxisNames(kind)[static_cast<std::size_t>(i)]);
+    rig.axes[i] = ReadAxis(axis, AllowedDegrees(kind, i));
+    if (!rig.simulated) rig.axis_devices[i] = ReadAxisDevice(axis.Map("device"));
+  }
+}
+
 GeometryConfig ReadGeometry(const ConfigNode& node) {
-  node.Choice("kind", {"four-axis"});
   GeometryConfig geometry;
+  geometry.kind = ReadRigKind(node);
   geometry.min_separation = RadFromDeg(node.Number("min_separation_deg", Range::Between(0, 90)));
   geometry.max_polar = RadFromDeg(node.Number("max_polar_deg", Range::Between(1, 89.9)));
   return geometry;
 }
 
-std::array<int, kAxes> ReadHomeOrder(const ConfigNode& node) {
+std::vector<int> ReadHomeOrder(const ConfigNode& node, std::span<const char* const> axes) {
   const std::vector<std::string> names = node.Texts("home_order");
-  std::array<int, kAxes> order{};
-  for (int i = 0; i < kAxes; ++i) {
-    const auto found = std::find(names.begin(), names.end(), kAxisNames[i]);
-    if (found == names.end() || names.size() != kAxes) {
-      node.Fail("home_order",
-                fmt::format("must name each of {} once", fmt::join(kAxisNames, ", ")));
+  std::vector<int> order(axes.size());
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto found = std::find(names.begin(), names.end(), axes[i]);
+    if (found == names.end() || names.size() != axes.size()) {
+      node.Fail("home_order", fmt::format("must name each of {} once", fmt::join(axes, ", ")));
     }
-    order[found - names.begin()] = i;
+    order[found - names.begin()] = static_cast<int>(i);
   }
   return order;
 }
 
-MotionConfig ReadMotion(const ConfigNode& node) {
+MotionConfig ReadMotion(const ConfigNode& node, std::span<const char* const> axes) {
   MotionConfig motion;
+  motion.home_order.resize(axes.size());
+  std::iota(motion.home_order.begin(), motion.home_order.end(), 0);
   motion.settle = Seconds(node.Number("settle_s", Range::NonNegative()));
   motion.home_limit =
       Seconds(node.NumberOr("home_limit_s", motion.home_limit.count(), Range::Positive()));
   motion.retries = node.IntegerOr("retries", motion.retries, 0, 10);
-  if (node.Has("home_order")) motion.home_order = ReadHomeOrder(node);
+  if (node.Has("home_order")) motion.home_order = ReadHomeOrder(node, axes);
   return motion;
 }
 
@@ -117,6 +129,16 @@ void ReadImaging(const ConfigNode& root, RigConfig& rig) {
     node.Fail("samples_per_image",
               fmt::format("is {}, must be a power of two", rig.samples_per_image));
   }
+}
+
+DriftPolicy ReadDrift(const ConfigNode& node, RigKind kind) {
+  const bool in_plane = IsInPlane(kind);
+  DriftPolicy drift = ReadDriftPolicy(node, in_plane ? 0 : 90);
+  if (in_plane && drift.pose && std::abs(std::sin(drift.pose->phi_d)) > 1e-9) {
+    node.Map("pose").Fail("phi_d_deg", "must be 0 or 180: the arms of a " +
+                                           std::string(ToString(kind)) + " move in one plane");
+  }
+  return drift;
 }
 
 ExposureConfig ReadExposure(const ConfigNode& node) {
@@ -171,15 +193,11 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   rig.text = std::move(text);
   rig.simulated = root.Choice("kind", {"simulated", "real"}) == "simulated";
   rig.geometry = ReadGeometry(root.Map("geometry"));
-  const ConfigNode axes = root.Map("axes");
-  for (int i = 0; i < kAxes; ++i) {
-    const bool azimuth = i == kLightAzimuth || i == kCameraAzimuth;
-    const ConfigNode axis = axes.Map(kAxisNames[i]);
-    rig.axes[i] = ReadAxis(axis, azimuth ? Range::Between(-360, 360) : Range::Between(0, 90));
-    if (!rig.simulated) rig.axis_devices[i] = ReadAxisDevice(axis.Map("device"));
+  ReadAxes(root.Map("axes"), rig);
+  if (root.Has("keep_out")) {
+    rig.keep_out = ReadKeepOut(root.Map("keep_out"), rig.geometry.kind);
   }
-  if (root.Has("keep_out")) rig.keep_out = ReadKeepOut(root.Map("keep_out"));
-  rig.motion = ReadMotion(root.Map("motion"));
+  rig.motion = ReadMotion(root.Map("motion"), rig.axis_names());
   // The least is not zero: without light there is nothing to divide by.
   const ConfigNode light = root.Map("light");
   rig.light_level = light.Number("level", Range::Between(0.001, 1));
@@ -203,7 +221,7 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   ReadImaging(root, rig);
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));
-  if (root.Has("drift")) rig.drift = ReadDriftPolicy(root.Map("drift"));
+  if (root.Has("drift")) rig.drift = ReadDrift(root.Map("drift"), rig.geometry.kind);
   if (root.Has("calibration")) {
     rig.calibration = ReadCalibrationPolicy(root.Map("calibration"));
   }

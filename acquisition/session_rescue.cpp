@@ -34,7 +34,9 @@ class Rescue {
 
   Rescued Run() {
     sqlite::Transaction transaction(to_);
-    CreateSessionTables(to_);
+    const std::vector<std::string> axes = AxesIn(from_);
+    CreateSessionTables(to_, axes);
+    pose_columns_ = 12 + static_cast<int>(PositionColumns(axes).size());
     CopyMeta();
     int gap = 0;
     for (std::int64_t seq = 1; gap < kGap; ++seq) {
@@ -107,7 +109,7 @@ class Rescue {
   // Copies; empty: it went well.
   std::optional<std::string> WhyLost(int pose, int number, const json& body) {
     try {
-      if (CopyRows("poses", 20, pose, number) != 1) return "has no row";
+      if (CopyRows("poses", pose_columns_, pose, number) != 1) return "has no row";
       const auto frames = body.at("frames_sha256").get<std::vector<std::string>>();
       if (CopyRows("exposures", 15, pose, number) != static_cast<int>(frames.size())) {
         return "misses frames";
@@ -169,6 +171,7 @@ class Rescue {
 
   sqlite::Database from_;
   sqlite::Database to_;
+  int pose_columns_ = 0;
   std::map<int, int> numbers_;  // of poses: before -> now
   Rescued rescued_;
 };

@@ -1,17 +1,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/sim_rig.h"
 
+#include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "sim/sim_axis.h"
 
 namespace gonio {
 namespace {
 
-constexpr const char* kNames[4] = {"light_azimuth", "light_elevation", "camera_azimuth",
-                                   "camera_elevation"};
 // Streams of the generator; their numbers are part of what makes a seed repeatable.
 enum Stream { kStart = 0, kAxis = 10, kCameraStream = 20, kMonitorStream = 30, kLampStream = 40 };
+
+// Arms have theirs at opposite ends, so that they are far apart once they are homed; what turns the
+// sample has it where it stands straight.
+double ReferenceMark(SimRigKind rig, int axis, const AxisLimits& limits) {
+  if (rig == SimRigKind::kFourAxisArms) return axis < 2 ? limits.min_position : limits.max_position;
+  if (axis == 2) return std::clamp(0.0, limits.min_position, limits.max_position);
+  return axis == 0 ? limits.min_position : limits.max_position;
+}
 
 }  // namespace
 
@@ -26,9 +34,10 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
                           Clock& clock, std::uint64_t seed) {
   SimDevices devices;
   devices.lamp = MakeSimLamp(truth, seed);
-  std::array<SimAxis*, 4> axes{};
+  const auto names = SimAxisNames(truth.rig);
+  std::vector<SimAxis*> axes;
   Random start(seed, kStart);
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < std::ssize(names); ++i) {
     const AxisLimits& limits = setup.axes[i];
     const double range = limits.max_position - limits.min_position;
     devices.motors[i] = std::make_shared<SimMotor>(
@@ -38,12 +47,11 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
     SimAxisOptions options;
     options.encoder_resolution = truth.encoder_resolution;
     options.repeatability = truth.repeatability;
-    // Marks at opposite ends, so that the homed arms are far apart.
-    options.reference = i < 2 ? limits.min_position : limits.max_position;
+    options.reference = ReferenceMark(truth.rig, i, limits);
     options.home_limit = setup.home_limit;
-    auto axis = std::make_unique<SimAxis>(kNames[i], limits, options, devices.motors[i], clock,
-                                          Random(seed, kAxis + i));
-    axes[i] = axis.get();
+    auto axis = std::make_unique<SimAxis>(names[static_cast<std::size_t>(i)], limits, options,
+                                          devices.motors[i], clock, Random(seed, kAxis + i));
+    axes.push_back(axis.get());
     devices.axes[i] = std::move(axis);
   }
   auto camera = std::make_unique<SimCamera>(
@@ -55,7 +63,7 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
                                               Random(seed, kMonitorStream));
   devices.draw = [axes, seed, c = camera.get(), m = monitor.get()](std::uint64_t number) {
     const std::uint64_t drawn = Random::Hash(seed, number);
-    for (int i = 0; i < 4; ++i) axes[i]->Reseed(Random(drawn, kAxis + i));
+    for (int i = 0; i < std::ssize(axes); ++i) axes[i]->Reseed(Random(drawn, kAxis + i));
     c->Reseed(Random(drawn, kCameraStream));
     m->Reseed(Random(drawn, kMonitorStream));
   };

@@ -24,8 +24,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The calibration's board and mirror are looked at by arms that go round them.
+void RefuseUncalibrated(const RigConfig& rig, const std::string& path) {
+  if (rig.geometry.kind == RigKind::kFourAxisArms) return;
+  throw ConfigError(fmt::format("{}: is of a rig of four-axis-arms, \"{}\" is a {}", path, rig.name,
+                                ToString(rig.geometry.kind)));
+}
+
 // The camera is compared when it is opened: until then, it is whatever the file says.
 void UseGeometryFile(const fs::path& path, RigFile& file) {
+  RefuseUncalibrated(file.config, path.string());
   file.calibrated_camera = ConfigNode::Load(path).Text("camera");
   UseGeometry(
       ReadGeometry(path, SensorFormatOf(file.config, file.calibrated_camera), std::time(nullptr)),
@@ -36,7 +44,8 @@ void UseCalibrations(RigFile& file) {
   const fs::path& folder = file.config.calibration.folder;
   if (folder.empty()) return;
   if (fs::exists(folder / kGeometryFile)) UseGeometryFile(folder / kGeometryFile, file);
-  if (fs::exists(folder / kTimeFile)) file.config.time_model = ReadTimes(folder / kTimeFile);
+  if (fs::exists(folder / kTimeFile))
+    file.config.time_model = ReadTimes(folder / kTimeFile, file.config.axis_names());
 }
 
 void CheckCalibratedCamera(const RigFile& file, const Camera& camera) {
@@ -98,8 +107,8 @@ enum Stream { kCameraStream = 20, kMonitorStream = 30 };
 
 void OpenAxes(const RigConfig& config, OpenedRig& rig) {
   AxisOpener opener(rig.clock.get(), rig.wires);
-  for (int i = 0; i < kAxes; ++i) {
-    auto axis = OpenRealAxis(config, static_cast<AxisIndex>(i), opener);
+  for (int i = 0; i < config.axis_count; ++i) {
+    auto axis = OpenRealAxis(config, i, opener);
     if (!axis) Refuse(config.axis_devices[i]->where, axis.error(), *rig.wires);
     rig.devices.axes[i] = std::move(axis).value();
   }
@@ -158,10 +167,9 @@ void OpenRealCamera(const RigConfig& config, OpenedRig& rig) {
 
 }  // namespace
 
-Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
-                                           AxisOpener& opener) {
+Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, int axis, AxisOpener& opener) {
   ControllerAxisSettings settings;
-  settings.name = kAxisNames[axis];
+  settings.name = config.axis_names()[static_cast<std::size_t>(axis)];
   settings.limits = config.axes[axis];
   settings.home_limit = config.motion.home_limit;
   return opener.Open(*config.axis_devices[axis], settings);
@@ -193,6 +201,10 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
   return rig;
 }
 
+void FitToRig(const RigConfig& rig, Plan& plan) {
+  if (IsInPlane(rig.geometry.kind)) plan.StayInPlane();
+}
+
 Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample) {
   // A way is looked for from the pose before: neighbours in a plan's raster are near.
   struct Ways {
@@ -200,13 +212,14 @@ Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample) {
     const Kinematics kinematics;
     const PathPlanner paths;
     std::mutex mutex;
-    std::optional<ArmAngles> at;  // guarded
+    std::optional<AxisPositions> at;  // guarded
   };
   return [ways = std::make_shared<Ways>(rig), sample](const DirectionPair& pair) {
     if (sample != nullptr && !sample->Eval(pair)) return false;
     if (ways->paths.free()) return ways->kinematics.Reachable(pair);
     const std::lock_guard lock(ways->mutex);
-    for (const ArmAngles& to : ways->kinematics.Solutions(pair, ways->at.value_or(ArmAngles{}))) {
+    const AxisPositions from = ways->at.value_or(AxisPositions{});
+    for (const AxisPositions& to : ways->kinematics.Solutions(pair, from)) {
       if (!ways->paths.Plan(ways->at.value_or(to), to)) continue;
       ways->at = to;
       return true;

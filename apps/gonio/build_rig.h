@@ -17,6 +17,7 @@
 #include "drivers/genicam_camera.h"
 #include "drivers/link_log.h"
 #include "planner/candidates.h"
+#include "planner/plan.h"
 #include "sim/sim_config.h"
 
 namespace gonio {
@@ -66,8 +67,10 @@ OpenedRig OpenReal(const RigFile& file, const Brdf* sample, std::uint64_t seed,
                    std::unique_ptr<Clock> clock);
 
 // One axis of it, as OpenReal() opens them, on a line that others may share.
-Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
-                                           AxisOpener& opener);
+Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, int axis, AxisOpener& opener);
+
+// Has a plan choose from what a rig of this kind can reach at all.
+void FitToRig(const RigConfig& rig, Plan& plan);
 
 // The poses a plan may choose from: those the rig can reach, by ways that touch nothing, and where
 // the simulated `sample`, which must outlive the result, has a reflectance: measured materials end

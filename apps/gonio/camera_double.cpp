@@ -44,6 +44,7 @@ class Scene {
   Scene(const RigFile& file, const GigeCameraSettings& settings, const DeviceBench& bench,
         const Brdf& sample)
       : truth_(file.simulation),
+        axes_(file.config.axis_names().size()),
         bench_(bench),
         sample_(sample),
         imager_(file.simulation, file.built, settings.sensor_width, settings.sensor_height,
@@ -51,7 +52,7 @@ class Scene {
 
   void Expose(const GigeExposure& settings, std::vector<std::uint16_t>& counts) {
     SimView view;
-    for (std::size_t i = 0; i < view.arms.size(); ++i) view.arms[i] = bench_.Angle(i);
+    for (std::size_t i = 0; i < axes_; ++i) view.arms[i] = bench_.Angle(i);
     view.arms = view.arms + truth_.axis_offset;
     view.power = bench_.LampPower();
     view.readout = {.exposure = settings.exposure,
@@ -66,6 +67,7 @@ class Scene {
 
  private:
   const SimConfig truth_;
+  const std::size_t axes_;
   const DeviceBench& bench_;
   const Brdf& sample_;
   SimImager imager_;
