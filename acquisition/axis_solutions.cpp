@@ -122,8 +122,53 @@ void VisitTurntable(const AxisSpace& space, const DirectionPair& pair, const Axi
     const auto camera_arm =
         WithinLimits(kPi / 2 - side * theta_o, space.limits[turntable::kCameraArm]);
     if (!light_arm || !camera_arm) continue;
-    VisitTurns(space, turntable::kSampleTurn, from,
-               [&](double turn) { visit({*light_arm, *camera_arm, turn}); });
+    VisitTurns(space, turntable::kSampleTurn, from, [&](double turn) {
+      visit({*light_arm, *camera_arm, turn});
+    });
+  }
+}
+
+// The sample's normal in the laboratory whose light, along x, and camera, `arm` from it about z,
+// show the pair; turned upside down, z, it shows the mirrored pair. Where the two are in one place
+// any normal at that angle from it will do.
+Eigen::Vector3d NormalInLab(const DirectionPair& pair, double arm) {
+  const double along = pair.wi.z();
+  const double sine = std::sin(arm);
+  if (std::abs(sine) < kZenith) return {along, std::sqrt(std::max(0.0, 1 - along * along)), 0};
+  const double across = (pair.wo.z() - std::cos(arm) * along) / sine;
+  // Light, camera and normal span the same volume in the sample's frame.
+  const double up = (pair.wi.x() * pair.wo.y() - pair.wi.y() * pair.wo.x()) / sine;
+  return {along, across, std::abs(up)};
+}
+
+// Hands `angle` and what differs by full turns to visit, inside the limits.
+template <typename Visit>
+void VisitWindings(double angle, const AxisLimits& limits, const Visit& visit) {
+  for (int turns = -1; turns <= 1; ++turns) {
+    if (const auto within = WithinLimits(angle + 2 * kPi * turns, limits)) visit(*within);
+  }
+}
+
+// The camera on either side of the light; the normal tips up or down.
+void VisitTiltingSample(const AxisSpace& space, const DirectionPair& pair,
+                        const AxisPositions& from, const VisitAxes& visit) {
+  using namespace tilting_sample;
+  const double between = AngleBetween(pair.wi, pair.wo);
+  for (const double side : {1, -1}) {
+    const Eigen::Vector3d normal = NormalInLab(pair, side * between);
+    const double turn = std::atan2(normal.y(), normal.x());
+    const double tilt = std::atan2(normal.z(), std::hypot(normal.x(), normal.y()));
+    for (const double up : {1, -1}) {
+      const auto tilted = WithinLimits(up * tilt, space.limits[kSampleTilt]);
+      if (!tilted) continue;
+      VisitWindings(side * between, space.limits[kCameraArm], [&](double arm) {
+        VisitWindings(turn, space.limits[kSampleTurn], [&](double turned) {
+          VisitTurns(space, kSampleAzimuth, from, [&](double azimuth) {
+            visit({arm, turned, *tilted, azimuth});
+          });
+        });
+      });
+    }
   }
 }
 
@@ -136,6 +181,8 @@ void VisitSolutions(const AxisSpace& space, const DirectionPair& pair, const Axi
       return VisitFourAxisArms(space, pair, from, visit);
     case RigKind::kTurntable:
       return VisitTurntable(space, pair, from, visit);
+    case RigKind::kTiltingSample:
+      return VisitTiltingSample(space, pair, from, visit);
   }
 }
 

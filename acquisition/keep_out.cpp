@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "acquisition/sample_orientation.h"
 #include "core/units.h"
 
 namespace gonio {
@@ -37,6 +38,7 @@ const Eigen::Vector3d kTilt = -Eigen::Vector3d::UnitY();
 
 struct Mounts {
   Mount light, camera, sample;
+  Pose sample_at_zero = Pose::Identity();  // its frame in the machine's
 };
 
 Mounts MountsOf(RigKind kind) {
@@ -50,6 +52,13 @@ Mounts MountsOf(RigKind kind) {
       return {.light = {{turntable::kLightArm, kTilt}},
               .camera = {{turntable::kCameraArm, kTilt}},
               .sample = {{turntable::kSampleTurn, up}}};
+    case RigKind::kTiltingSample:
+      return {.light = {},
+              .camera = {{tilting_sample::kCameraArm, up}},
+              .sample = {{tilting_sample::kSampleTurn, up},
+                         {tilting_sample::kSampleTilt, kTilt},
+                         {tilting_sample::kSampleAzimuth, Eigen::Vector3d::UnitX()}},
+              .sample_at_zero = Pose(SampleAtZero())};
   }
   return {};
 }
@@ -244,6 +253,7 @@ struct KeepOut::Impl {
     light = MakeSolids(config.light_arm, "light_arm", mounts.light);
     camera = MakeSolids(config.camera_arm, "camera_arm", mounts.camera);
     sample = MakeSolids(config.sample, "sample", mounts.sample);
+    for (Solid& solid : sample) solid.place = mounts.sample_at_zero * solid.place;
     fixed = MakeSolids(config.fixed, "fixed", {});
     PairUp(light, camera);
     for (const Solid& still : fixed) {

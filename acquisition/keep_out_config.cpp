@@ -54,11 +54,20 @@ std::vector<SolidPart> ReadParts(const ConfigNode& node, const char* key,
   return parts;
 }
 
+// The stages under a tilting sample, from the base.
+Carriers CarriersOfSample(RigKind kind) {
+  return kind == RigKind::kTiltingSample ? Carriers{"turn", "tilt", "azimuth"} : Carriers{};
+}
+
 }  // namespace
 
 KeepOutConfig ReadKeepOut(const ConfigNode& node, RigKind kind) {
   KeepOutConfig config;
   config.margin = node.Number("margin_mm", Range::NonNegative()) / 1000;
+  if (kind == RigKind::kTiltingSample && node.Has("light_arm")) {
+    node.Fail("light_arm",
+              "the light of a rig of kind tilting-sample stands still: put it under fixed");
+  }
   config.light_arm = ReadParts(node, "light_arm", CarriersOfArms(kind));
   config.camera_arm = ReadParts(node, "camera_arm", CarriersOfArms(kind));
   config.fixed = ReadParts(node, "fixed", {});
@@ -77,7 +86,7 @@ KeepOutConfig ReadKeepOut(const ConfigNode& node, RigKind kind) {
               "arms without azimuths wind no cables; those of the sample are kept by min_deg and "
               "max_deg of its axes");
   }
-  config.sample = ReadParts(node, "sample", {});
+  config.sample = ReadParts(node, "sample", CarriersOfSample(kind));
   return config;
 }
 

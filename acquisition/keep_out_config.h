@@ -14,7 +14,7 @@ namespace gonio {
 
 // Of an arm: in its own frame, x from the sample's middle along the arm, z towards growing
 // elevation, y completing. What turns with the sample: in the sample's frame. What does not move:
-// in the frame of the machine, which is the sample's while its axes stand at 0.
+// in the frame of the machine (docs/geometry.md, "Kinds of rigs").
 struct SolidPart {
   enum class Shape { kCapsule, kBox };
   Shape shape = Shape::kCapsule;
@@ -22,8 +22,8 @@ struct SolidPart {
   Eigen::Vector3d from = Eigen::Vector3d::Zero();
   Eigen::Vector3d to = Eigen::Vector3d::Zero();
   double radius = 0;  // m, of a capsule
-  // How many of the axes that carry what it belongs to, from the base, turn it: 1 of an arm with
-  // azimuth and elevation is a column that does not tilt, and stands as at elevation 0.
+  // How many of the axes that carry what it belongs to, from the base, turn it; it stands as if the
+  // others were at 0. 1 of an arm with azimuth and elevation: a column that does not tilt.
   int axes = kAxes;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "acquisition/sample_orientation.h"
 #include "core/units.h"
 #include "drivers/move_time.h"
 
@@ -45,6 +46,13 @@ AxisPositions Kinematics::TruePositions(AxisPositions encoders) const {
 
 ArmAngles Kinematics::TrueAngles(const AxisPositions& encoders) const {
   return ArmsOf(geometry_.kind, TruePositions(encoders));
+}
+
+Imaging Kinematics::ImagingAt(Imaging imaging, const AxisPositions& encoders) const {
+  if (geometry_.kind != RigKind::kTiltingSample) return imaging;
+  // Without a calibration, which is refused for such rigs, there is no other turn.
+  imaging.camera_turn[2] = CameraRoll(TruePositions(encoders));
+  return imaging;
 }
 
 DirectionPair Kinematics::Forward(const AxisPositions& encoders) const {

@@ -23,6 +23,9 @@ class Kinematics {
   DirectionPair Forward(const AxisPositions& encoders) const;
   // The arms' angles in the sample's frame.
   ArmAngles TrueAngles(const AxisPositions& encoders) const;
+  // `imaging` as the camera is held there: one that goes round a tilting sample is upright in the
+  // laboratory, and rolls about its axis as the sample sees it.
+  Imaging ImagingAt(Imaging imaging, const AxisPositions& encoders) const;
   // Where the axes truly stand.
   AxisPositions TruePositions(AxisPositions encoders) const;
 

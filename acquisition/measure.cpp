@@ -40,8 +40,8 @@ bool AllSaturated(const std::vector<Exposure>& exposures) {
 std::vector<ImageRegion> RegionsSeen(const RigConfig& rig, const Kinematics& kinematics,
                                      const ArmAngles& readback, const SiteMask* bad) {
   std::vector<ImageRegion> regions =
-      RegionsOf(rig.imaging, kinematics.TrueAngles(readback), rig.camera.width, rig.camera.height,
-                rig.geometry.max_polar, rig.samples_per_image);
+      RegionsOf(kinematics.ImagingAt(rig.imaging, readback), kinematics.TrueAngles(readback),
+                rig.camera.width, rig.camera.height, rig.geometry.max_polar, rig.samples_per_image);
   if (bad != nullptr) LeaveOut(*bad, CountsPerPixel(rig.camera.layout), &regions);
   return regions;
 }

@@ -44,6 +44,9 @@ AxisLimits ReadAxis(const ConfigNode& node, Range allowed) {
 void ReadAxes(const ConfigNode& axes, RigConfig& rig) {
   const RigKind kind = rig.geometry.kind;
   rig.axis_count = static_cast<int>(AxisNames(kind).size());
+  if (MayBeMissing(kind, rig.axis_count - 1) && !axes.Has(AxisNames(kind).back())) {
+    --rig.axis_count;
+  }
   for (int i = 0; i < rig.axis_count; ++i) {
     const ConfigNode axis = axes.Map(AxisNames(kind)[static_cast<std::size_t>(i)]);
     rig.axes[i] = ReadAxis(axis, AllowedDegrees(kind, i));

@@ -13,8 +13,10 @@ namespace gonio {
 
 // docs/geometry.md draws each.
 enum class RigKind {
-  kFourAxisArms,  // light and camera on arms with azimuth and elevation; the sample stands still
-  kTurntable,     // both arms move in one vertical plane; the sample turns about its normal
+  kFourAxisArms,   // light and camera on arms with azimuth and elevation; the sample stands still
+  kTurntable,      // both arms move in one vertical plane; the sample turns about its normal
+  kTiltingSample,  // the light stands still, the camera goes round the sample in a horizontal
+                   // plane; stages or a robot turn and tilt the sample
 };
 
 // The most axes a rig has. Arrays of axes are this long; what a kind does not have is 0.
@@ -33,11 +35,16 @@ inline constexpr const char* kAxisNames[kAxes] = {"light_azimuth", "light_elevat
 namespace turntable {
 enum Axis { kLightArm, kCameraArm, kSampleTurn };
 }
+namespace tilting_sample {
+enum Axis { kCameraArm, kSampleTurn, kSampleTilt, kSampleAzimuth };  // the last is not everywhere
+}
 
-// In rig files, messages and logs.
+// In rig files, messages and logs: all that such a rig may have.
 std::span<const char* const> AxisNames(RigKind kind);
+// Only the last axis of a tilting sample may be missing.
+bool MayBeMissing(RigKind kind, int axis);
 
-// "four-axis-arms", "turntable".
+// "four-axis-arms", "turntable", "tilting-sample".
 std::string_view ToString(RigKind kind);
 // `kind` of a rig file's `geometry`; four-axis-arms if it is not there. Throws ConfigError.
 RigKind ReadRigKind(const ConfigNode& geometry);

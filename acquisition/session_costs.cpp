@@ -89,7 +89,8 @@ PartsOf PartsOn(const RigConfig& rig) {
     const auto axes = kinematics.Inverse(pair, AxisPositions{});
     if (!axes) return parts;
     const ArmAngles arms = kinematics.TrueAngles(*axes);
-    for (const ImageRegion& region : RegionsOf(imaging, arms, width, height, max_polar, count)) {
+    for (const ImageRegion& region :
+         RegionsOf(kinematics.ImagingAt(imaging, *axes), arms, width, height, max_polar, count)) {
       parts.push_back(region.directions);
     }
     return parts;

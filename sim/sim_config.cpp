@@ -23,13 +23,19 @@ std::array<double, kSize> NumbersOr0(const ConfigNode& node, const char* key, Ra
   return values;
 }
 
+int CountAxes(const ConfigNode& root, SimRigKind rig) {
+  const auto names = SimAxisNames(rig);
+  const bool last = rig != SimRigKind::kTiltingSample || root.Map("axes").Has(names.back());
+  return static_cast<int>(names.size()) - (last ? 0 : 1);
+}
+
 // A number for each axis of the rig.
 SimArms OfAxes(const ConfigNode& node, const char* key, double fallback, Range range,
                const SimConfig& sim) {
   SimArms values{};
   values.fill(fallback);
   if (!node.Has(key)) return values;
-  const auto count = static_cast<int>(SimAxisNames(sim.rig).size());
+  const auto count = static_cast<std::size_t>(sim.axes);
   const std::vector<double> read = node.Numbers(key, count, range);
   std::copy(read.begin(), read.end(), values.begin());
   return values;
@@ -121,6 +127,7 @@ SimConfig ReadSim(const ConfigNode& root) {
   };
   SimConfig sim;
   sim.rig = ReadSimRigKind(root);
+  sim.axes = CountAxes(root, sim.rig);
   sim.encoder_resolution =
       RadFromDeg(node.NumberOr("encoder_resolution_deg", 0, Range::Between(0, 1)));
   sim.repeatability = RadFromDeg(node.NumberOr("repeatability_deg", 0, Range::Between(0, 1)));

@@ -40,6 +40,7 @@ struct SimConfig {
   double responsivity_drift_per_hour = 0;
 
   SimRigKind rig = SimRigKind::kFourAxisArms;
+  int axes = 4;  // that it has
   // The axes' true positions minus their encoders'.
   SimArms axis_offset{};
 

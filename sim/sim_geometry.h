@@ -17,10 +17,11 @@ namespace gonio {
 // are 0. Of four-axis arms: light azimuth and elevation, camera azimuth and elevation.
 using SimArms = std::array<double, 4>;
 
-enum class SimRigKind { kFourAxisArms, kTurntable };
+enum class SimRigKind { kFourAxisArms, kTurntable, kTiltingSample };
 
 // By `geometry.kind` of a rig file; throws ConfigError.
 SimRigKind ReadSimRigKind(const ConfigNode& root);
+// All that such a rig may have: the last of a tilting sample, its azimuth, may be missing.
 std::span<const char* const> SimAxisNames(SimRigKind kind);
 
 // The axes of what an arm carries, as brdf/imaging.h has them.
@@ -30,7 +31,8 @@ struct SimMount {
   Eigen::Vector3d down = Eigen::Vector3d::UnitY();
 };
 
-// Both in the sample's frame, and how that lies in the machine's, which it is with all axes at 0.
+// Both in the sample's frame, and how that lies in the machine's: z up, x where the arms of a
+// turntable stand at 0 and where the light of a tilting sample is.
 struct SimPlacement {
   SimMount light;
   SimMount camera;

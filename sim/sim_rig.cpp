@@ -2,6 +2,7 @@
 #include "sim/sim_rig.h"
 
 #include <algorithm>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,8 +18,10 @@ enum Stream { kStart = 0, kAxis = 10, kCameraStream = 20, kMonitorStream = 30, k
 // sample has it where it stands straight.
 double ReferenceMark(SimRigKind rig, int axis, const AxisLimits& limits) {
   if (rig == SimRigKind::kFourAxisArms) return axis < 2 ? limits.min_position : limits.max_position;
-  if (axis == 2) return std::clamp(0.0, limits.min_position, limits.max_position);
-  return axis == 0 ? limits.min_position : limits.max_position;
+  const std::string_view name = SimAxisNames(rig)[static_cast<std::size_t>(axis)];
+  if (name == "light_arm") return limits.min_position;
+  if (name == "camera_arm") return limits.max_position;
+  return std::clamp(0.0, limits.min_position, limits.max_position);
 }
 
 }  // namespace
@@ -34,7 +37,7 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
                           Clock& clock, std::uint64_t seed) {
   SimDevices devices;
   devices.lamp = MakeSimLamp(truth, seed);
-  const auto names = SimAxisNames(truth.rig);
+  const auto names = SimAxisNames(truth.rig).first(static_cast<std::size_t>(truth.axes));
   std::vector<SimAxis*> axes;
   Random start(seed, kStart);
   for (int i = 0; i < std::ssize(names); ++i) {

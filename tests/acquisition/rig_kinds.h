@@ -25,6 +25,7 @@ inline void PrintTo(const KindOfRig& kind, std::ostream* out) { *out << kind.fil
 inline const std::vector<KindOfRig> kEveryKind = {
     {"sim-rig.yaml", RigKind::kFourAxisArms, SimRigKind::kFourAxisArms},
     {"rig-turntable.yaml", RigKind::kTurntable, SimRigKind::kTurntable},
+    {"rig-tilting-sample.yaml", RigKind::kTiltingSample, SimRigKind::kTiltingSample},
 };
 
 inline std::string NameOf(const testing::TestParamInfo<KindOfRig>& info) {
@@ -57,9 +58,12 @@ inline RigConfig RigOfBars(const KindOfRig& kind) {
   RigConfig rig = RigOf(kind);
   rig.keep_out = {};
   rig.keep_out.margin = 0.01;
-  rig.keep_out.light_arm = {{.from = {0.2, 0, 0}, .to = {0.7, 0, 0}, .radius = 0.03}};
-  rig.keep_out.camera_arm = {{.from = {0.25, 0, 0}, .to = {0.6, 0, 0}, .radius = 0.03},
-                             {.from = {0.3, -0.06, -0.02}, .to = {0.5, -0.1, 0.05}, .radius = 0.01}};
+  if (kind.kind != RigKind::kTiltingSample) {
+    rig.keep_out.light_arm = {{.from = {0.2, 0, 0}, .to = {0.7, 0, 0}, .radius = 0.03}};
+  }
+  rig.keep_out.camera_arm = {
+      {.from = {0.25, 0, 0}, .to = {0.6, 0, 0}, .radius = 0.03},
+      {.from = {0.3, -0.06, -0.02}, .to = {0.5, -0.1, 0.05}, .radius = 0.01}};
   rig.keep_out.fixed = {{.from = {0.1, -0.5, -0.1}, .to = {0.25, 0.5, -0.15}, .radius = 0.03}};
   if (kind.kind != RigKind::kFourAxisArms) {
     rig.keep_out.sample = {{.from = {-0.27, 0, 0.02}, .to = {0.2, 0.05, 0.02}, .radius = 0.02}};

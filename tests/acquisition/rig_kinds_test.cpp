@@ -58,8 +58,7 @@ TEST_P(RigKinds, GoBackToThePairUpToSymmetryInsideTheLimits) {
   int solved = 0;
   for (int i = 0; i < 5000; ++i) {
     const DirectionPair pair = SomePair();
-    for (const AxisPositions& to :
-         kinematics_.Solutions(pair, RandomPositions(rig_, random_))) {
+    for (const AxisPositions& to : kinematics_.Solutions(pair, RandomPositions(rig_, random_))) {
       ++solved;
       for (int a = 0; a < rig_.axis_count; ++a) {
         ASSERT_GE(to[a], rig_.axes[a].min_position) << rig_.axis_names()[a];
@@ -91,7 +90,8 @@ TEST_P(RigKinds, TakeTheSoonestWay) {
     const AxisPositions other = RandomPositions(rig_, random_);
     const auto to = kinematics_.Inverse(Truth(other), from);
     if (!to) continue;
-    ASSERT_LE(kinematics_.TravelTime(from, *to), kinematics_.TravelTime(from, other) + Seconds(1e-9));
+    ASSERT_LE(kinematics_.TravelTime(from, *to),
+              kinematics_.TravelTime(from, other) + Seconds(1e-9));
     const auto stay = kinematics_.Inverse(Truth(*to), *to);
     ASSERT_TRUE(stay.has_value());
     for (int a = 0; a < rig_.axis_count; ++a) ASSERT_NEAR((*stay)[a], (*to)[a], 1e-7);
@@ -105,7 +105,8 @@ TEST_P(RigKinds, PutEncodersOffsetsOnTop) {
   AxisPositions encoders{};
   AxisPositions truly{};
   for (int a = 0; a < rig_.axis_count; ++a) {
-    encoders[a] = rig_.axes[a].min_position + 0.4 + 0.3 * a;
+    const AxisLimits& axis = rig_.axes[a];
+    encoders[a] = axis.min_position + (0.3 + 0.15 * a) * (axis.max_position - axis.min_position);
     truly[a] = encoders[a] + off.axis_offsets[a];
   }
   EXPECT_LT((kinematics.Forward(encoders).wo - Truth(truly).wo).norm(), 1e-12);
@@ -128,8 +129,9 @@ TEST_P(RigKinds, SeeWithEachPixelWhatTheSimulatedCameraSees) {
   for (int i = 0; i < 200; ++i) {
     const AxisPositions positions = RandomPositions(rig_, random_);
     if (!Allowed(Truth(positions))) continue;
-    for (const ImageRegion& region : RegionsOf(imaging, kinematics_.TrueAngles(positions), side,
-                                               side, rig_.geometry.max_polar, side * side)) {
+    for (const ImageRegion& region :
+         RegionsOf(kinematics_.ImagingAt(imaging, positions), kinematics_.TrueAngles(positions),
+                   side, side, rig_.geometry.max_polar, side * side)) {
       if (region.pixels.size() != 1) continue;
       const auto pixel = static_cast<int>(region.pixels[0]);
       const auto seen = optics.See(positions, pixel % side, pixel / side);
@@ -257,7 +259,11 @@ TEST(Turntable, LeavesTheSampleWhereItStands) {
 // A holder stands over the sample on one side; turned away, it leaves the plane to the arms.
 TEST(Turntable, TurnsTheSampleOutOfTheArmsWay) {
   RigConfig rig = RigOf(kEveryKind[1]);
-  rig.keep_out = {.margin = 0.01, .light_arm = {}, .camera_arm = {}, .sample = {}, .fixed = {},
+  rig.keep_out = {.margin = 0.01,
+                  .light_arm = {},
+                  .camera_arm = {},
+                  .sample = {},
+                  .fixed = {},
                   .max_azimuth_difference = {}};
   rig.keep_out.light_arm = {{.from = {0.2, 0, 0}, .to = {0.7, 0, 0}, .radius = 0.03}};
   rig.keep_out.camera_arm = rig.keep_out.light_arm;
@@ -276,13 +282,68 @@ TEST(Turntable, TurnsTheSampleOutOfTheArmsWay) {
 TEST(Turntable, ArmsDoNotPassEachOther) {
   const RigConfig rig = RigOf(kEveryKind[1]);
   const PathPlanner paths(rig);
-  const auto crossed = paths.Plan({RadFromDeg(40), RadFromDeg(120)}, {RadFromDeg(120), RadFromDeg(40)});
+  const auto crossed =
+      paths.Plan({RadFromDeg(40), RadFromDeg(120)}, {RadFromDeg(120), RadFromDeg(40)});
   ASSERT_FALSE(crossed.ok());
   EXPECT_THAT(crossed.error().message, HasSubstr("no way around"));
   // The same pair for an isotropic sample is there without that.
   const auto mirrored = paths.PlanTo({RadFromDeg(40), RadFromDeg(120)},
                                      Kinematics(rig).Forward({RadFromDeg(120), RadFromDeg(40)}));
   EXPECT_TRUE(mirrored.ok());
+}
+
+// ---- the tilting sample
+
+const KindOfRig& kTilting = kEveryKind[2];
+
+TEST(TiltingSample, FacesTheLightWithAllAxesAtZero) {
+  const Kinematics kinematics(RigOf(kTilting));
+  EXPECT_LT((kinematics.Forward({}).wi - Eigen::Vector3d::UnitZ()).norm(), 1e-12);
+  // The camera a quarter round from it, the sample half way between them: the mirror's direction.
+  const DirectionPair mirror = kinematics.Forward({RadFromDeg(90), RadFromDeg(45)});
+  EXPECT_NEAR(ToHalfDiff(mirror).theta_h, 0, 1e-7);
+  EXPECT_NEAR(ToHalfDiff(mirror).theta_d, RadFromDeg(45), 1e-9);
+  // The normal tipped up out of the plane of the two, which then stand below it.
+  const HalfDiff tipped = ToHalfDiff(kinematics.Forward({RadFromDeg(90), RadFromDeg(45), 0.3}));
+  EXPECT_NEAR(tipped.theta_h, 0.3, 1e-9);
+  EXPECT_NEAR(tipped.phi_d, kPi / 2, 1e-9);
+}
+
+// Across the plane theta_h is the tilt itself.
+TEST(TiltingSample, ReachesAcrossAsFarAsItTilts) {
+  const Kinematics kinematics(RigOf(kTilting));
+  EXPECT_TRUE(kinematics.Reachable(PairAt(74, 5, 90)));
+  EXPECT_FALSE(kinematics.Reachable(PairAt(76, 5, 90)));
+  EXPECT_TRUE(kinematics.Reachable(PairAt(76, 5, 10)));
+}
+
+TEST(TiltingSample, HasFourSolutionsAndLeavesTheAzimuth) {
+  RigConfig rig = RigOf(kTilting);
+  rig.keep_out = {};  // nothing turns that could be in the way
+  const auto solutions = Kinematics(rig).Solutions(PairAt(20, 40, 60), {0.1, 0.2, 0.3, 0.7});
+  EXPECT_EQ(solutions.size(), 4u);
+  for (const AxisPositions& at : solutions) EXPECT_EQ(at[tilting_sample::kSampleAzimuth], 0.7);
+}
+
+TEST(TiltingSample, GoesWithoutAnAzimuth) {
+  std::string text = TextOf(kTilting);
+  const auto begin = text.find("  sample_azimuth:");
+  text.erase(begin, text.find("\n#", begin) - begin);
+  const auto order = text.find(", sample_azimuth]");
+  text.erase(order, std::string(", sample_azimuth").size());
+  const ConfigNode root = ConfigNode::Parse(text, "rig.yaml");
+  const RigConfig rig = ReadRig(root, text);
+  const SimConfig truth = ReadSim(root);
+  root.RefuseUnknownKeys();
+  EXPECT_EQ(rig.axis_count, 3);
+  EXPECT_EQ(rig.axis_names().back(), std::string("sample_tilt"));
+  EXPECT_TRUE(Kinematics(rig).Reachable(PairAt(20, 40, 60)));
+  const FlatBrdf grey(Rgb::Constant(0.2));
+  SimulatedRig bench(grey, 1, rig, truth);
+  PoseMeasurer measurer = bench.Prepared();
+  const auto pose = measurer.Measure(PairAt(20, 40, 60), std::nullopt, {});
+  ASSERT_TRUE(pose.ok()) << pose.error().message;
+  EXPECT_EQ(pose->readback[tilting_sample::kSampleAzimuth], 0);
 }
 
 // ---- rig files
@@ -317,22 +378,37 @@ TEST(ReadTurntable, RefusesWhatItHasNot) {
             "motion.home_order: must name each of light_arm, camera_arm, sample_turn once");
   EXPECT_EQ(ComplaintAbout(kind, "radius_mm: 30}", "radius_mm: 30, turns_with: azimuth}"),
             "keep_out.light_arm[0].turns_with: is not a known key");
-  EXPECT_THAT(ComplaintAbout(kind, "margin_mm: 10", "margin_mm: 10\n  max_azimuth_difference_deg: 9"),
-              HasSubstr("keep_out.max_azimuth_difference_deg: arms without azimuths wind no cables"));
   EXPECT_THAT(
-      ComplaintAbout(kind, "motion:", "drift: {every_poses: 5, pose: {theta_h_deg: 5, theta_d_deg: "
-                                      "30, phi_d_deg: 90}}\nmotion:"),
-      HasSubstr("drift.pose.phi_d_deg: must be 0 or 180"));
+      ComplaintAbout(kind, "margin_mm: 10", "margin_mm: 10\n  max_azimuth_difference_deg: 9"),
+      HasSubstr("keep_out.max_azimuth_difference_deg: arms without azimuths wind no cables"));
+  EXPECT_THAT(ComplaintAbout(kind, "motion:",
+                             "drift: {every_poses: 5, pose: {theta_h_deg: 5, theta_d_deg: "
+                             "30, phi_d_deg: 90}}\nmotion:"),
+              HasSubstr("drift.pose.phi_d_deg: must be 0 or 180"));
   EXPECT_EQ(ComplaintAbout(kind, "simulation:", "simulation:\n  axis_offset_deg: [1, 1, 1, 1]"),
             "simulation.axis_offset_deg: must be a list of 3 numbers");
+}
+
+TEST(ReadTiltingSample, RefusesWhatItHasNot) {
+  EXPECT_EQ(ComplaintAbout(kTilting, "kind: tilting-sample", "kind: tilting-sample"), "none");
+  EXPECT_EQ(ComplaintAbout(kTilting, "  sample_tilt:", "  sample_tip:"),
+            "axes.sample_tilt: is missing");
+  EXPECT_EQ(ComplaintAbout(kTilting, "max_deg: 75", "max_deg: 95"),
+            "axes.sample_tilt.max_deg: is 95, must be between -90 and 90");
+  EXPECT_EQ(ComplaintAbout(kTilting, "keep_out:", "keep_out:\n  light_arm: []"),
+            "keep_out.light_arm: the light of a rig of kind tilting-sample stands still: put it "
+            "under fixed");
+  EXPECT_EQ(ComplaintAbout(kTilting, "turns_with: tilt", "turns_with: elevation"),
+            "keep_out.sample[1].turns_with: is \"elevation\", must be one of turn, tilt, azimuth");
 }
 
 TEST(ReadFourAxisArms, AreWhatIsMeantWithoutAKindAndByTheOldName) {
   for (const char* kind : {"", "  kind: four-axis\n"}) {
     EXPECT_EQ(ComplaintAbout(kEveryKind[0], "  kind: four-axis-arms\n", kind), "none");
   }
-  EXPECT_THAT(ComplaintAbout(kEveryKind[0], "motion:", "keep_out: {margin_mm: 5, sample: []}\nmotion:"),
-              HasSubstr("keep_out.sample: the sample of a rig of four-axis-arms stands still"));
+  EXPECT_THAT(
+      ComplaintAbout(kEveryKind[0], "motion:", "keep_out: {margin_mm: 5, sample: []}\nmotion:"),
+      HasSubstr("keep_out.sample: the sample of a rig of four-axis-arms stands still"));
 }
 
 }  // namespace

@@ -12,19 +12,23 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 constexpr const char* kTurntable = "rig-turntable.yaml";
+constexpr const char* kTiltingSample = "rig-tilting-sample.yaml";
 
 class EveryRigKind : public GonioTest, public testing::WithParamInterface<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Files, EveryRigKind, testing::Values(kTurntable), [](const auto& file) {
-  std::string name = file.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name.substr(0, name.find('.'));
-});
+INSTANTIATE_TEST_SUITE_P(Files, EveryRigKind, testing::Values(kTurntable, kTiltingSample),
+                         [](const auto& file) {
+                           std::string name = file.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name.substr(0, name.find('.'));
+                         });
 class TurntableRig : public GonioTest {};
+class TiltingSampleRig : public GonioTest {};
 
 TEST_P(EveryRigKind, GoesOnWithASessionReplaysAndReportsIt) {
   const std::string rig = GetParam();
-  const Finished full = Shell("trap '' XFSZ; ulimit -f 340; \"$GONIO\" run --max-poses 8 --quiet --rig " +
-                              rig + " --out s");
+  const Finished full =
+      Shell("trap '' XFSZ; ulimit -f 340; \"$GONIO\" run --max-poses 8 --quiet --rig " + rig +
+            " --out s");
   ASSERT_EQ(full.code, 1) << full.err;
   const std::size_t before = ReadSession(work() / "s").poses.size();
   ASSERT_GT(before, 1u);
@@ -36,10 +40,10 @@ TEST_P(EveryRigKind, GoesOnWithASessionReplaysAndReportsIt) {
 }
 
 TEST_P(EveryRigKind, IsSimulatedWithAndWithoutALearnedPrior) {
-  const std::string command =
-      fmt::format("simulate --rig {} --plan plan-information.yaml --plan plan-random.yaml "
-                  "--material satin-paint.yaml --max-poses 40 --quiet --json m.json",
-                  GetParam());
+  const std::string command = fmt::format(
+      "simulate --rig {} --plan plan-information.yaml --plan plan-random.yaml "
+      "--material satin-paint.yaml --max-poses 40 --quiet --json m.json",
+      GetParam());
   for (const char* prior : {"", " --prior " GONIO_SOURCE_DIR "/configs/prior-measured.yaml"}) {
     Expect(command + prior);
     const json result = json::parse(ReadTextFile(work() / "m.json"));
@@ -61,8 +65,9 @@ TEST_P(EveryRigKind, HasItsTimesCalibrated) {
 }
 
 TEST_P(EveryRigKind, RefusesAGeometryCalibration) {
-  ExpectRefused(Gonio(fmt::format("calibrate geometry --rig {} --out cal --target mirror", GetParam())),
-                2, {"geometry.kind: is", "only the geometry of four-axis-arms can be calibrated"});
+  ExpectRefused(
+      Gonio(fmt::format("calibrate geometry --rig {} --out cal --target mirror", GetParam())), 2,
+      {"geometry.kind: is", "only the geometry of four-axis-arms can be calibrated"});
 }
 
 // The reachable set of arms in a plane is the half below theta_h + theta_d = 90 deg.
@@ -76,6 +81,17 @@ TEST_F(TurntableRig, IsCheckedInItsPlane) {
     EXPECT_EQ(panel["keep_out_by"]["light_arm 1, camera_arm 1"], panel["keep_out"]);
   }
   Expect(fmt::format("check {} --out reach.png", kTurntable));
+}
+
+// Across the plane of light and camera it reaches as far as it tilts.
+TEST_F(TiltingSampleRig, IsCheckedAtSeveralPhis) {
+  const json panels = json::parse(Expect(fmt::format("check {} --json -", kTiltingSample)).out);
+  ASSERT_EQ(panels.size(), 3u);
+  for (const json& panel : panels) {
+    EXPECT_GT(panel["measurable"], 0.6 * panel["poses"].get<int>());
+    EXPECT_EQ(panel["cut_off"], 0);
+  }
+  EXPECT_GT(panels[2]["limits"], panels[0]["limits"]);
 }
 
 // A real rig of three axes: their controllers on the wire, the lamp and its monitor on USB.
@@ -92,7 +108,8 @@ TEST_F(TurntableRig, HasDoublesOnTheWire) {
 )");
   File("rig.yaml", With(text, "kind: four-axis-arms", "kind: turntable"));
   const Finished finished = Shell(
-      "\"$GONIO\" sim-devices --speed 50 --rig rig.yaml -- \"$GONIO\" run --rig rig.yaml --max-poses 3 "
+      "\"$GONIO\" sim-devices --speed 50 --rig rig.yaml -- \"$GONIO\" run --rig rig.yaml "
+      "--max-poses 3 "
       "--quiet --out s");
   ASSERT_EQ(finished.code, 0) << finished.err;
   const SessionRecord record = ReadSession(work() / "s");

@@ -20,8 +20,7 @@ constexpr int kPoses = 40;
 
 class SessionOn : public testing::TestWithParam<KindOfRig> {
  protected:
-  SessionOn()
-      : plan_(LoadPlan(std::string(GONIO_SOURCE_DIR) + "/configs/plan-information.yaml")) {
+  SessionOn() : plan_(LoadPlan(std::string(GONIO_SOURCE_DIR) + "/configs/plan-information.yaml")) {
     const std::string text = TextOf(GetParam());
     SimConfig truth = ReadSim(ConfigNode::Parse(text, GetParam().file));
     bench_ = std::make_unique<SimulatedRig>(paint_, 1, RigOf(GetParam()), truth);
