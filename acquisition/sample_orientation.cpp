@@ -20,8 +20,7 @@ double CameraRoll(const AxisPositions& axes) {
   const ArmAngles arms = ArmsOf(RigKind::kTiltingSample, axes);
   const Matrix3d arm = ArmAxes(arms[kCameraAzimuth], arms[kCameraElevation]);
   const double at = axes[tilting_sample::kCameraArm];
-  const Vector3d right =
-      LabFromSample(axes).transpose() * Vector3d(-std::sin(at), std::cos(at), 0);
+  const Vector3d right = LabFromSample(axes).transpose() * Vector3d(-std::sin(at), std::cos(at), 0);
   return std::atan2(right.dot(arm.col(1)), right.dot(arm.col(0)));
 }
 

@@ -68,6 +68,19 @@ TEST_P(EveryRigKind, RefusesAGeometryCalibration) {
   ExpectRefused(
       Gonio(fmt::format("calibrate geometry --rig {} --out cal --target mirror", GetParam())), 2,
       {"geometry.kind: is", "only the geometry of four-axis-arms can be calibrated"});
+  std::filesystem::create_directory(work() / "cal");
+  File("cal/geometry.yaml", "version: 1\ncamera: simulated\n");
+  File("rig.yaml", Config(GetParam()) + "calibration: {folder: cal}\n");
+  ExpectRefused(Gonio("run --rig rig.yaml --out s"), 2,
+                {"cal/geometry.yaml: is of a rig of four-axis-arms"});
+}
+
+TEST_P(EveryRigKind, DoesNotGoOnAsAnother) {
+  File("rig.yaml", Config(GetParam()));
+  Expect("run --rig rig.yaml --max-poses 3 --quiet --out s");
+  File("rig.yaml", Config("sim-rig.yaml"));
+  ExpectRefused(Gonio("run --resume s --max-poses 5 --accept-changed"), 2,
+                {"rig.yaml: geometry.kind: has other axes than the session's: ", "sample_turn"});
 }
 
 // The reachable set of arms in a plane is the half below theta_h + theta_d = 90 deg.

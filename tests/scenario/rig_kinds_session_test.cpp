@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "acquisition/event_log.h"
+#include "acquisition/radiometry.h"
 #include "acquisition/session.h"
 #include "acquisition/session_check.h"
 #include "acquisition/session_record.h"
@@ -80,6 +81,42 @@ TEST_P(SessionOn, MeasuresWhatIsThere) {
     const DirectionPair there = kinematics.Forward(pose.readback);
     EXPECT_LT((there.wi - summary.poses[i].samples.front().directions.wi).norm(), 1e-9);
     EXPECT_LT((there.wo - summary.poses[i].samples.front().directions.wo).norm(), 1e-9);
+  }
+}
+
+// Of a sphere, whose image holds a fan of directions. Example failure is an image that rolls with
+// the sample and whose pixels do not.
+TEST_P(SessionOn, GivesEachPartOfAnImageTheReflectanceOfItsDirections) {
+  RigConfig rig = RigOf(GetParam());
+  rig.camera.width = rig.camera.height = 96;
+  rig.imaging = {.focal_length = 1500,
+                 .camera_distance = 0.5,
+                 .light_distance = 0.8,
+                 .patch_radius = 0.012,
+                 .shape = {.kind = SampleShape::Kind::kSphere, .radius = 0.02}};
+  rig.samples_per_image = 256;
+  SimConfig truth;  // no imperfection
+  truth.rig = GetParam().truth;
+  truth.axes = rig.axis_count;
+  truth.responsivity = rig.radiometry.responsivity;
+  truth.electrons_per_count = rig.radiometry.electrons_per_count;
+  rig.radiometry = {.responsivity = truth.responsivity,
+                    .electrons_per_count = truth.electrons_per_count};
+  // Dull enough to be the same over a part.
+  const AnalyticBrdf dull("dull", {Lambert{{0.3, 0.2, 0.1}}, Ggx{.roughness = 0.5, .ior = 1.5}});
+  SimulatedRig simulated(dull, 1, rig, truth);
+  PoseMeasurer measurer = simulated.Prepared();
+  const double across = IsInPlane(GetParam().kind) ? 180 : 60;
+  for (const double phi_d : {0.0, across}) {
+    const auto record = measurer.Measure(PairAt(15, 30, phi_d), std::nullopt, {});
+    ASSERT_TRUE(record.ok()) << record.error().message;
+    int readings = 0;
+    for (const BrdfSample& sample : Reduce(*record, rig)) {
+      const Rgb error = (sample.f_r - *dull.Eval(sample.directions)).abs();
+      EXPECT_TRUE((error < 0.02 * sample.f_r + 4 * sample.sigma).all()) << error.transpose();
+      ++readings;
+    }
+    EXPECT_EQ(readings, 256);
   }
 }
 
