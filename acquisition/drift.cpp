@@ -23,17 +23,17 @@ double Square(double x) { return x * x; }
 
 }  // namespace
 
-DriftPolicy ReadDriftPolicy(const ConfigNode& node) {
+DriftPolicy ReadDriftPolicy(const ConfigNode& node, double phi_d_deg) {
   DriftPolicy policy;
   policy.every_poses = node.IntegerOr("every_poses", 0, 1, 1000000);
   policy.every = Seconds(60 * node.NumberOr("every_min", 0, Range::Positive()));
   if (!policy.on()) node.Fail("every_poses", "this or every_min is needed");
   if (node.Has("pose")) {
     const ConfigNode pose = node.Map("pose");
-    policy.pose =
-        HalfDiff{.theta_h = RadFromDeg(pose.Number("theta_h_deg", Range::Between(0, 90))),
-                 .theta_d = RadFromDeg(pose.Number("theta_d_deg", Range::Between(0, 90))),
-                 .phi_d = RadFromDeg(pose.NumberOr("phi_d_deg", 90, Range::Between(0, 180)))};
+    policy.pose = HalfDiff{
+        .theta_h = RadFromDeg(pose.Number("theta_h_deg", Range::Between(0, 90))),
+        .theta_d = RadFromDeg(pose.Number("theta_d_deg", Range::Between(0, 90))),
+        .phi_d = RadFromDeg(pose.NumberOr("phi_d_deg", phi_d_deg, Range::Between(0, 180)))};
   }
   policy.frames = node.IntegerOr("frames", policy.frames, 1, 100);
   policy.expected_per_hour =

@@ -49,7 +49,8 @@ struct DriftPolicy {
   bool on() const { return every_poses > 0 || every > Seconds::zero(); }
 };
 // Throws ConfigError.
-DriftPolicy ReadDriftPolicy(const ConfigNode& node);
+// `phi_d_deg`: of a pose that does not say.
+DriftPolicy ReadDriftPolicy(const ConfigNode& node, double phi_d_deg = 90);
 
 // What the reference pose gave: any number proportional to the gain.
 struct ReferenceVisit {

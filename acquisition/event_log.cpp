@@ -119,18 +119,19 @@ struct EventLog::Impl {
 
   void InsertPose(const PoseNote& note, const PoseRecord& record) {
     const HalfDiff planned = ToHalfDiff(note.proposal.directions);
-    const auto deg = [](const ArmAngles& angles, int axis) { return DegFromRad(angles[axis]); };
-    const ArmAngles& to = record.commanded;
-    const ArmAngles& at = record.readback;
-    sqlite::Statement(db,
-                      "INSERT INTO poses VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, "
-                      "?, ?, ?, ?)")
+    const std::size_t count = AxesIn(db).size();
+    std::vector<double> positions;
+    for (const AxisPositions& axes : {record.commanded, record.readback}) {
+      for (std::size_t i = 0; i < count; ++i) positions.push_back(DegFromRad(axes[i]));
+    }
+    std::string places = "?, ?, ?, ?, ?, ?, ?";
+    for (std::size_t i = 0; i < positions.size() + 5; ++i) places += ", ?";
+    sqlite::Statement(db, ("INSERT INTO poses VALUES (" + places + ")").c_str())
         .Run(note.pose, note.proposal.candidate, note.proposal.reason,
              FiniteOrNull(note.proposal.score), DegFromRad(planned.theta_h),
-             DegFromRad(planned.theta_d), DegFromRad(planned.phi_d), deg(to, 0), deg(to, 1),
-             deg(to, 2), deg(to, 3), deg(at, 0), deg(at, 1), deg(at, 2), deg(at, 3),
-             record.move_retries, record.start.count(), record.move_time.count(),
-             record.end.count(), note.predicted_error);
+             DegFromRad(planned.theta_d), DegFromRad(planned.phi_d),
+             std::span<const double>(positions), record.move_retries, record.start.count(),
+             record.move_time.count(), record.end.count(), note.predicted_error);
   }
 
   // Returns the SHA-256 of the frame as it is kept.
@@ -207,7 +208,7 @@ EventLog EventLog::Create(const std::filesystem::path& dir, SessionInfo info) {
     auto impl = std::make_unique<Impl>(dir, SQLITE_OPEN_CREATE);
     if (info.created_utc.empty()) info.created_utc = UtcText(std::time(nullptr));
     sqlite::Transaction transaction(impl->db);
-    CreateSessionTables(impl->db);
+    CreateSessionTables(impl->db, info.axes);
     WriteMeta(impl->db, info);
     impl->InsertEvent(Seconds(0), "session_start", {{"seed", info.seed}, {"rig", info.rig_name}});
     transaction.Commit();

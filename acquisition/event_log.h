@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "acquisition/measure.h"
 #include "acquisition/radiometry.h"
@@ -38,8 +39,10 @@ struct SessionInfo {
   std::uint64_t seed = 0;
   int max_poses = 0;  // in place of the plan's; 0: the plan's
   std::string rig_name;
-  std::string rig_path;   // absolute; empty in older sessions
-  std::string rig_text;   // the rig file as it was read
+  std::string rig_path;  // absolute; empty in older sessions
+  std::string rig_text;  // the rig file as it was read
+  // Of the rig's axes, in order; not in `meta`, but in the names of columns.
+  std::vector<std::string> axes{std::begin(kAxisNames), std::end(kAxisNames)};
   std::string plan_path;  // absolute: prior files named in a plan stand beside it
   std::string plan_text;  // the plan file as it was read
   std::string prior_name;

@@ -10,7 +10,8 @@ namespace gonio {
 inline constexpr int kSessionApplicationId = 0x676f6e69;
 
 // Angles in degrees and times in seconds on the session's clock: people read these tables. The
-// exact radians stand in the events, the exact unit vectors in `samples`.
+// exact radians stand in the events, the exact unit vectors in `samples`. @axes@ stands for
+// commanded_NAME_deg and then readback_NAME_deg of each of the rig's axes.
 inline constexpr const char* kSessionSchema = R"sql(
 CREATE TABLE meta (
   key TEXT PRIMARY KEY NOT NULL,
@@ -30,11 +31,7 @@ CREATE TABLE poses (
   reason TEXT NOT NULL,
   score REAL,
   theta_h_deg REAL NOT NULL, theta_d_deg REAL NOT NULL, phi_d_deg REAL NOT NULL,
-  commanded_light_azimuth_deg REAL NOT NULL, commanded_light_elevation_deg REAL NOT NULL,
-  commanded_camera_azimuth_deg REAL NOT NULL, commanded_camera_elevation_deg REAL NOT NULL,
-  readback_light_azimuth_deg REAL NOT NULL, readback_light_elevation_deg REAL NOT NULL,
-  readback_camera_azimuth_deg REAL NOT NULL, readback_camera_elevation_deg REAL NOT NULL,
-  move_retries INTEGER NOT NULL,
+@axes@  move_retries INTEGER NOT NULL,
   start_s REAL NOT NULL, move_s REAL NOT NULL, end_s REAL NOT NULL,
   predicted_error REAL
 ) STRICT;

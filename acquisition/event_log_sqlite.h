@@ -53,11 +53,12 @@ class Statement {
  public:
   Statement(Database& db, const char* sql);
 
+  // A span of doubles fills as many parameters.
   template <typename... Values>
   void Bind(const Values&... values) {
     Reset();
     int index = 0;
-    (BindOne(++index, values), ...);
+    (BindNext(index, values), ...);
   }
   template <typename... Values>
   void Run(const Values&... values) {
@@ -84,6 +85,13 @@ class Statement {
   std::span<const std::uint8_t> Bytes(int column) const;  // until the next Step() or Reset()
 
  private:
+  template <typename Value>
+  void BindNext(int& index, const Value& value) {
+    BindOne(++index, value);
+  }
+  void BindNext(int& index, std::span<const double> numbers) {
+    for (const double number : numbers) BindOne(++index, number);
+  }
   void BindOne(int index, double number);
   void BindOne(int index, std::int64_t number);
   void BindOne(int index, int number) { BindOne(index, std::int64_t{number}); }

@@ -9,7 +9,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
+#include "acquisition/sample_orientation.h"
 #include "core/units.h"
 
 namespace gonio {
@@ -21,13 +23,53 @@ constexpr double kFinest = 0.25 * kPi / 180;  // rad: pieces of a box are not ma
 // A box with so many pieces is a way along a wall: it counts as blocked.
 constexpr int kMostPieces = 200000;
 
+// One axis of the machine, through the origin: it turns what it carries about `about`, which is
+// given as it stands while all axes are at 0.
+struct Turn {
+  int axis = 0;
+  Eigen::Vector3d about = Eigen::Vector3d::UnitZ();
+};
+
+// What carries a solid: axes from the base outwards. None: it does not move.
+using Mount = std::vector<Turn>;
+
+// Along an arm's own y downwards: elevations grow towards z.
+const Eigen::Vector3d kTilt = -Eigen::Vector3d::UnitY();
+
+struct Mounts {
+  Mount light, camera, sample;
+  Pose sample_at_zero = Pose::Identity();  // its frame in the machine's
+};
+
+Mounts MountsOf(RigKind kind) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  switch (kind) {
+    case RigKind::kFourAxisArms:
+      return {.light = {{kLightAzimuth, up}, {kLightElevation, kTilt}},
+              .camera = {{kCameraAzimuth, up}, {kCameraElevation, kTilt}},
+              .sample = {}};
+    case RigKind::kTurntable:
+      return {.light = {{turntable::kLightArm, kTilt}},
+              .camera = {{turntable::kCameraArm, kTilt}},
+              .sample = {{turntable::kSampleTurn, up}}};
+    case RigKind::kTiltingSample:
+      return {.light = {},
+              .camera = {{tilting_sample::kCameraArm, up}},
+              .sample = {{tilting_sample::kSampleTurn, up},
+                         {tilting_sample::kSampleTilt, kTilt},
+                         {tilting_sample::kSampleAzimuth, Eigen::Vector3d::UnitX()}},
+              .sample_at_zero = Pose(SampleAtZero())};
+  }
+  return {};
+}
+
 // A solid with its place in the frame of what it is mounted on.
 struct Solid {
   std::string name;
   std::shared_ptr<fcl::CollisionGeometryd> geometry;
   Pose place = Pose::Identity();
   double reach = 0;  // m: no point of its core is further from the origin
-  bool tilts = false;
+  Mount mount;
 };
 
 // FCL's capsule stands along its own z, its middle in the origin.
@@ -51,23 +93,16 @@ Solid MakeBox(const SolidPart& part) {
   return solid;
 }
 
-std::vector<Solid> MakeSolids(const std::vector<SolidPart>& parts, const char* owner) {
+std::vector<Solid> MakeSolids(const std::vector<SolidPart>& parts, const char* owner,
+                              const Mount& mount) {
   std::vector<Solid> solids;
   for (const SolidPart& part : parts) {
     solids.push_back(part.shape == SolidPart::Shape::kCapsule ? MakeCapsule(part) : MakeBox(part));
     solids.back().name = fmt::format("{} {}", owner, solids.size());
-    solids.back().tilts = part.tilts;
+    const auto carried = std::min(mount.size(), static_cast<std::size_t>(part.axes));
+    solids.back().mount.assign(mount.begin(), mount.begin() + static_cast<std::ptrdiff_t>(carried));
   }
   return solids;
-}
-
-// Where the frame of an arm is: its x away from the sample along the arm, its z towards growing
-// elevation. A part that does not tilt stays at elevation 0.
-Pose Mount(const Solid& solid, double azimuth, double elevation) {
-  Pose pose = Pose::Identity();
-  pose.rotate(Eigen::AngleAxisd(azimuth, Eigen::Vector3d::UnitZ()));
-  if (solid.tilts) pose.rotate(Eigen::AngleAxisd(-elevation, Eigen::Vector3d::UnitY()));
-  return pose * solid.place;
 }
 
 double Gap(const Solid& a, const Pose& at_a, const Solid& b, const Pose& at_b) {
@@ -85,26 +120,54 @@ struct Span {
   double half() const { return (high - low) / 2; }
 };
 
-// Two solids, and how their gap depends on at most three angles. Turning both arms together changes
-// nothing between them, so of two azimuths only the difference counts.
+// One angle that a gap depends on: the position of an axis, or of one less that of another where
+// both turn about the same line. Turning both then changes nothing, so only the difference counts.
+struct Angle {
+  int axis = 0;
+  int less = -1;     // none
+  double reach = 0;  // m of gap per radian, at most
+
+  Span Between(const AxisPositions& low, const AxisPositions& high) const {
+    Span span{low[axis], high[axis]};
+    if (less >= 0) span = {low[axis] - high[less], high[axis] - low[less]};
+    span.high = std::min(span.high, span.low + 2 * kPi);
+    return span;
+  }
+};
+
+// Two solids of which at least one moves.
 class Pair {
  public:
-  // An arm and what does not move.
-  Pair(const Solid& arm, int azimuth, const Solid& fixed)
-      : first_(arm), second_(fixed), azimuth_(azimuth), elevations_{azimuth + 1, -1} {}
-  Pair(const Solid& light, const Solid& camera)
-      : first_(light), second_(camera), elevations_{kLightElevation, kCameraElevation} {}
+  Pair(const Solid& first, const Solid& second) : first_(first), second_(second) {
+    const bool together = !first.mount.empty() && !second.mount.empty() &&
+                          first.mount[0].about == second.mount[0].about;
+    if (together) {
+      angles_.push_back(
+          {second.mount[0].axis, first.mount[0].axis, std::min(first.reach, second.reach)});
+      second_angles_.push_back(0);
+      skipped_ = 1;
+    }
+    for (std::size_t i = skipped_; i < first.mount.size(); ++i) {
+      first_angles_.push_back(angles_.size());
+      angles_.push_back({first.mount[i].axis, -1, first.reach});
+    }
+    for (std::size_t i = skipped_; i < second.mount.size(); ++i) {
+      second_angles_.push_back(angles_.size());
+      angles_.push_back({second.mount[i].axis, -1, second.reach});
+    }
+  }
 
   // The first piece of the box that is not at least `margin` wide open.
-  std::optional<Contact> Find(const ArmAngles& low, const ArmAngles& high, double margin) const {
+  std::optional<Contact> Find(const AxisPositions& low, const AxisPositions& high,
+                              double margin) const {
     std::vector<Piece> pieces = {Whole(low, high)};
     for (int count = 0; !pieces.empty(); ++count) {
       const Piece piece = pieces.back();
       pieces.pop_back();
       const double gap = GapAt(piece);
-      const Piece change = ChangeIn(piece);
-      if (gap - margin > change[0].high + change[1].high + change[2].high) continue;
-      const std::size_t widest = Widest(change);
+      const Changes changes = ChangesIn(piece);
+      if (gap - margin > std::accumulate(changes.begin(), changes.end(), 0.0)) continue;
+      const std::size_t widest = std::max_element(changes.begin(), changes.end()) - changes.begin();
       const bool finest = piece[widest].high - piece[widest].low <= kFinest;
       if (gap <= margin || finest || count > kMostPieces) return At(piece, gap, low);
       Piece half = piece;
@@ -117,70 +180,63 @@ class Pair {
   }
 
  private:
-  // Azimuth (of camera against light, if both move), elevation of the first, of the second.
-  using Piece = std::array<Span, 3>;
+  static constexpr std::size_t kMostAngles = 4;
+  using Piece = std::array<Span, kMostAngles>;
+  using Changes = std::array<double, kMostAngles>;
 
-  bool both_move() const { return elevations_[1] >= 0; }
-
-  Piece Whole(const ArmAngles& low, const ArmAngles& high) const {
+  Piece Whole(const AxisPositions& low, const AxisPositions& high) const {
     Piece piece;
-    piece[0] = both_move() ? Span{low[kCameraAzimuth] - high[kLightAzimuth],
-                                  high[kCameraAzimuth] - low[kLightAzimuth]}
-                           : Span{low[azimuth_], high[azimuth_]};
-    piece[0].high = std::min(piece[0].high, piece[0].low + 2 * kPi);
-    piece[1] = {low[elevations_[0]], high[elevations_[0]]};
-    if (both_move()) piece[2] = {low[elevations_[1]], high[elevations_[1]]};
+    for (std::size_t k = 0; k < angles_.size(); ++k) piece[k] = angles_[k].Between(low, high);
     return piece;
   }
 
   double GapAt(const Piece& piece) const {
-    const double azimuth = piece[0].middle();
-    const double second = piece[2].middle();
-    if (!both_move()) {
-      return Gap(first_, Mount(first_, azimuth, piece[1].middle()), second_, second_.place);
+    const Pose first = Turned(first_.mount, skipped_, first_angles_, piece) * first_.place;
+    const Pose second = Turned(second_.mount, 0, second_angles_, piece) * second_.place;
+    return Gap(first_, first, second_, second);
+  }
+
+  // By the axes of the mount from `begin` on.
+  static Pose Turned(const Mount& mount, std::size_t begin, const std::vector<std::size_t>& angles,
+                     const Piece& piece) {
+    Pose pose = Pose::Identity();
+    for (std::size_t i = begin; i < mount.size(); ++i) {
+      pose.rotate(Eigen::AngleAxisd(piece[angles[i - begin]].middle(), mount[i].about));
     }
-    return Gap(first_, Mount(first_, 0, piece[1].middle()), second_,
-               Mount(second_, azimuth, second));
+    return pose;
   }
 
-  // By how much [m] each angle may change the gap at most, as Span::high.
-  Piece ChangeIn(const Piece& piece) const {
-    const double turned = both_move() ? std::min(first_.reach, second_.reach) : first_.reach;
-    const double tilted = first_.tilts ? first_.reach : 0;
-    const double also_tilted = both_move() && second_.tilts ? second_.reach : 0;
-    return {Span{0, turned * piece[0].half()}, Span{0, tilted * piece[1].half()},
-            Span{0, also_tilted * piece[2].half()}};
+  // By how much [m] each angle may change the gap at most.
+  Changes ChangesIn(const Piece& piece) const {
+    Changes changes{};
+    for (std::size_t k = 0; k < angles_.size(); ++k) {
+      changes[k] = angles_[k].reach * piece[k].half();
+    }
+    return changes;
   }
 
-  static std::size_t Widest(const Piece& change) {
-    const auto less = [](const Span& a, const Span& b) { return a.high < b.high; };
-    return std::max_element(change.begin(), change.end(), less) - change.begin();
-  }
-
-  Contact At(const Piece& piece, double gap, const ArmAngles& low) const {
+  Contact At(const Piece& piece, double gap, const AxisPositions& low) const {
     Contact contact{.first = first_.name, .second = second_.name, .at = low, .gap = gap};
-    contact.at[elevations_[0]] = piece[1].middle();
-    if (both_move()) {
-      contact.at[elevations_[1]] = piece[2].middle();
-      contact.at[kCameraAzimuth] = low[kLightAzimuth] + piece[0].middle();
-    } else {
-      contact.at[azimuth_] = piece[0].middle();
+    for (std::size_t k = 0; k < angles_.size(); ++k) {
+      const Angle& angle = angles_[k];
+      contact.at[angle.axis] = piece[k].middle() + (angle.less >= 0 ? low[angle.less] : 0);
     }
     return contact;
   }
 
   const Solid& first_;
   const Solid& second_;
-  int azimuth_ = kLightAzimuth;  // of the arm, if only one moves
-  std::array<int, 2> elevations_;
+  std::vector<Angle> angles_;
+  std::size_t skipped_ = 0;  // of the first's turns, which are in the second's
+  std::vector<std::size_t> first_angles_, second_angles_;  // indices, one for each turn
 };
 
 }  // namespace
 
 std::string Contact::Text() const {
   std::string where;
-  for (int i = 0; i < kAxes; ++i) {
-    where += fmt::format("{}{} {:.1f}", i == 0 ? "" : ", ", kAxisNames[i], DegFromRad(at[i]));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    where += fmt::format("{}{} {:.1f}", i == 0 ? "" : ", ", axes[i], DegFromRad(at[i]));
   }
   if (second.empty()) return fmt::format("the cables do not reach to {} deg", where);
   return fmt::format("{} and {} come within {:.1f} mm of each other at {} deg", first, second,
@@ -188,49 +244,70 @@ std::string Contact::Text() const {
 }
 
 struct KeepOut::Impl {
-  explicit Impl(const KeepOutConfig& config)
-      : margin(config.margin),
-        cables(config.max_azimuth_difference),
-        light(MakeSolids(config.light_arm, "light_arm")),
-        camera(MakeSolids(config.camera_arm, "camera_arm")),
-        fixed(MakeSolids(config.fixed, "fixed")) {
-    for (const Solid& a : light) {
-      for (const Solid& b : camera) pairs.emplace_back(a, b);
-    }
+  explicit Impl(const RigConfig& rig)
+      : axes(rig.axis_names()),
+        margin(rig.keep_out.margin),
+        cables(rig.keep_out.max_azimuth_difference) {
+    const KeepOutConfig& config = rig.keep_out;
+    const Mounts mounts = MountsOf(rig.geometry.kind);
+    light = MakeSolids(config.light_arm, "light_arm", mounts.light);
+    camera = MakeSolids(config.camera_arm, "camera_arm", mounts.camera);
+    sample = MakeSolids(config.sample, "sample", mounts.sample);
+    for (Solid& solid : sample) solid.place = mounts.sample_at_zero * solid.place;
+    fixed = MakeSolids(config.fixed, "fixed", {});
+    PairUp(light, camera);
     for (const Solid& still : fixed) {
-      for (const Solid& arm : light) pairs.emplace_back(arm, kLightAzimuth, still);
-      for (const Solid& arm : camera) pairs.emplace_back(arm, kCameraAzimuth, still);
+      PairUp(light, still);
+      PairUp(camera, still);
+      PairUp(sample, still);
+    }
+    for (const Solid& turning : sample) {
+      PairUp(light, turning);
+      PairUp(camera, turning);
     }
   }
 
+  void PairUp(const std::vector<Solid>& some, const std::vector<Solid>& others) {
+    for (const Solid& one : some) {
+      for (const Solid& other : others) pairs.emplace_back(one, other);
+    }
+  }
+  void PairUp(const std::vector<Solid>& some, const Solid& other) {
+    for (const Solid& one : some) pairs.emplace_back(one, other);
+  }
+
+  std::span<const char* const> axes;
   double margin;
   std::optional<double> cables;
-  std::vector<Solid> light, camera, fixed;
+  std::vector<Solid> light, camera, sample, fixed;
   std::vector<Pair> pairs;  // refer to the solids
 };
 
-KeepOut::KeepOut(const RigConfig& rig) : impl_(std::make_unique<Impl>(rig.keep_out)) {}
+KeepOut::KeepOut(const RigConfig& rig) : impl_(std::make_unique<Impl>(rig)) {}
 KeepOut::~KeepOut() = default;
 KeepOut::KeepOut(KeepOut&&) noexcept = default;
 KeepOut& KeepOut::operator=(KeepOut&&) noexcept = default;
 
 bool KeepOut::empty() const { return impl_->pairs.empty() && !impl_->cables; }
 
-std::optional<Contact> KeepOut::FindAt(const ArmAngles& angles) const {
-  return FindBetween(angles, angles);
+std::optional<Contact> KeepOut::FindAt(const AxisPositions& positions) const {
+  return FindBetween(positions, positions);
 }
 
-std::optional<Contact> KeepOut::FindBetween(const ArmAngles& low, const ArmAngles& high) const {
+std::optional<Contact> KeepOut::FindBetween(const AxisPositions& low,
+                                            const AxisPositions& high) const {
+  std::optional<Contact> contact;
   if (impl_->cables) {
     const double most = std::max(high[kCameraAzimuth] - low[kLightAzimuth],
                                  high[kLightAzimuth] - low[kCameraAzimuth]);
-    if (most > *impl_->cables + 1e-9)
-      return Contact{.first = "cables", .second = "", .at = high, .gap = 0};
+    if (most > *impl_->cables + 1e-9) contact = Contact{.first = "cables", .at = high};
   }
   for (const Pair& pair : impl_->pairs) {
-    if (auto contact = pair.Find(low, high, impl_->margin)) return contact;
+    if (contact) break;
+    contact = pair.Find(low, high, impl_->margin);
   }
-  return std::nullopt;
+  if (contact) contact->axes = impl_->axes;
+  return contact;
 }
 
 }  // namespace gonio

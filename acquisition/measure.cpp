@@ -45,8 +45,8 @@ bool AllSayNothing(std::span<const Exposure> exposures) {
 
 // Where encoders read so: an axis that stands at the end of its range reads beyond it as often as
 // not, and must not be told to go there.
-ArmAngles WithinTargets(const RigConfig& rig, ArmAngles angles) {
-  for (int i = 0; i < kAxes; ++i) {
+AxisPositions WithinTargets(const RigConfig& rig, AxisPositions angles) {
+  for (int i = 0; i < rig.axis_count; ++i) {
     const AxisLimits limits = TargetLimits(rig.axes[i]);
     const double inside = std::clamp(angles[i], limits.min_position, limits.max_position);
     if (std::abs(angles[i] - inside) <= rig.axes[i].position_tolerance) angles[i] = inside;
@@ -59,8 +59,8 @@ ArmAngles WithinTargets(const RigConfig& rig, ArmAngles angles) {
 std::vector<ImageRegion> RegionsSeen(const RigConfig& rig, const Kinematics& kinematics,
                                      const ArmAngles& readback, const SiteMask* bad) {
   std::vector<ImageRegion> regions =
-      RegionsOf(rig.imaging, kinematics.TrueAngles(readback), rig.camera.width, rig.camera.height,
-                rig.geometry.max_polar, rig.samples_per_image);
+      RegionsOf(kinematics.ImagingAt(rig.imaging, readback), kinematics.TrueAngles(readback),
+                rig.camera.width, rig.camera.height, rig.geometry.max_polar, rig.samples_per_image);
   if (bad != nullptr) LeaveOut(*bad, CountsPerPixel(rig.camera.layout), &regions);
   return regions;
 }
@@ -85,7 +85,7 @@ Result<void> PoseMeasurer::Prepare(std::stop_token stop) {
   position_ = *position;
   state_ = {.told = position_, .exposure = {}};
   // The mark may be beyond what an axis may be told.
-  for (int i = 0; i < kAxes; ++i) {
+  for (int i = 0; i < rig_.axis_count; ++i) {
     const AxisLimits limits = TargetLimits(rig_.axes[i]);
     state_.told[i] = std::clamp(position_[i], limits.min_position, limits.max_position);
   }
@@ -124,7 +124,7 @@ Result<void> PoseMeasurer::Restore(const MeasurerState& state, std::stop_token s
   return {};
 }
 
-Result<void> PoseMeasurer::GoTo(const ArmAngles& arms, std::stop_token stop) {
+Result<void> PoseMeasurer::GoTo(const AxisPositions& arms, std::stop_token stop) {
   PoseRecord record;
   return Move([&] { return paths_.Plan(position_, arms); }, record, std::move(stop));
 }
@@ -156,16 +156,16 @@ Result<PoseRecord> PoseMeasurer::MeasureOrFail(const FindPath& find,
 
 // Whether the arms are still where they were when the first frame was taken: a motor without power
 // lets go, and a controller that was reset no longer knows.
-Result<void> PoseMeasurer::CheckStood(const ArmAngles& readback) {
+Result<void> PoseMeasurer::CheckStood(const AxisPositions& readback) {
   axes_failed_ = true;
   const auto now = ReadPositions(devices_);
   if (!now) return now.error();
-  for (int i = 0; i < kAxes; ++i) {
+  for (int i = 0; i < rig_.axis_count; ++i) {
     const double moved = (*now)[i] - readback[i];
     if (std::abs(moved) <= rig_.axes[i].position_tolerance) continue;
     return Error{ErrorCode::kProtocol,
-                 fmt::format("{}: has moved by {:.4f} deg while frames were taken", kAxisNames[i],
-                             DegFromRad(moved))};
+                 fmt::format("{}: has moved by {:.4f} deg while frames were taken",
+                             devices_.axes[i]->name(), DegFromRad(moved))};
   }
   axes_failed_ = false;
   return {};

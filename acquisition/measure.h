@@ -80,7 +80,7 @@ class PoseMeasurer {
   // Goes where another measurer has left the arms, and measures nothing.
   Result<void> Restore(const MeasurerState& state, std::stop_token stop);
   // Goes there, by a way that touches nothing.
-  Result<void> GoTo(const ArmAngles& arms, std::stop_token stop);
+  Result<void> GoTo(const AxisPositions& arms, std::stop_token stop);
 
   // Whether it was an axis that the last error of any of these was about.
   bool axes_failed() const { return axes_failed_; }
@@ -97,7 +97,7 @@ class PoseMeasurer {
   Result<PoseRecord> MeasureOrFail(const FindPath& find, const std::optional<Rgb>& expected,
                                    std::stop_token stop, int frames);
   Result<void> Move(const FindPath& find, PoseRecord& record, std::stop_token stop);
-  Result<void> CheckStood(const ArmAngles& readback);
+  Result<void> CheckStood(const AxisPositions& readback);
   // The frames in one colour of the light.
   struct Turn {
     std::optional<LightColour> colour;

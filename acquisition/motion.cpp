@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,9 @@ Seconds TimeLimit(Seconds expected) { return 1.5 * expected + Seconds(2); }
 
 // Starts `axes` together and waits for each. An axis that ran out of time, or came to rest beside
 // its target, counts as arrived: the read-back will tell.
-Result<void> MoveLeg(Devices& devices, const std::vector<int>& axes, const ArmAngles& target,
+Result<void> MoveLeg(Devices& devices, const std::vector<int>& axes, const AxisPositions& target,
                      std::stop_token stop) {
-  ArmAngles expected{};  // s
+  AxisPositions expected{};  // s
   for (const int i : axes) {
     const auto started = devices.axes[i]->StartMove(target[i]);
     if (!started) return started.error();
@@ -36,8 +37,9 @@ Result<void> MoveLeg(Devices& devices, const std::vector<int>& axes, const ArmAn
 
 // By way of turning points where an axis has to come from the other side.
 Result<void> MoveOnce(const RigConfig& rig, Devices& devices, const std::vector<int>& axes,
-                      const ArmAngles& from, const ArmAngles& target, std::stop_token stop) {
-  ArmAngles first = target;
+                      const AxisPositions& from, const AxisPositions& target,
+                      std::stop_token stop) {
+  AxisPositions first = target;
   std::vector<int> turning;
   for (const int i : axes) {
     const auto turn = TurningPoint(from[i], target[i], rig.axes[i]);
@@ -50,8 +52,9 @@ Result<void> MoveOnce(const RigConfig& rig, Devices& devices, const std::vector<
 }
 
 Result<Arrival> MoveWithRetries(const RigConfig& rig, Devices& devices, Clock& clock,
-                                const ArmAngles& target, Seconds settle, std::stop_token stop) {
-  std::vector<int> missed = {kLightAzimuth, kLightElevation, kCameraAzimuth, kCameraElevation};
+                                const AxisPositions& target, Seconds settle, std::stop_token stop) {
+  std::vector<int> missed(static_cast<std::size_t>(rig.axis_count));
+  std::iota(missed.begin(), missed.end(), 0);
   Arrival arrival;
   auto position = ReadPositions(devices);
   for (int attempt = 0;; ++attempt) {
@@ -79,7 +82,7 @@ Result<Arrival> MoveWithRetries(const RigConfig& rig, Devices& devices, Clock& c
   return Error{
       ErrorCode::kRefused,
       fmt::format("{}: stands at {:.4f} deg after {} moves to {:.4f} deg, tolerance {} deg",
-                  kAxisNames[i], DegFromRad((*position)[i]), rig.motion.retries + 1,
+                  devices.axes[i]->name(), DegFromRad((*position)[i]), rig.motion.retries + 1,
                   DegFromRad(target[i]), DegFromRad(rig.axes[i].position_tolerance))};
 }
 
@@ -97,14 +100,15 @@ Result<void> ForAll(Devices& devices, const Tell& tell) {
 
 }  // namespace
 
-Result<ArmAngles> ReadPositions(Devices& devices) {
-  ArmAngles position{};
+Result<AxisPositions> ReadPositions(Devices& devices) {
+  AxisPositions position{};
   for (int i = 0; i < kAxes; ++i) {
+    if (devices.axes[i] == nullptr) continue;
     const auto state = devices.axes[i]->State();
     if (!state) return state.error();
     if (!state->homed) {
       return Error{ErrorCode::kProtocol,
-                   fmt::format("{}: has lost its reference, home it again", kAxisNames[i])};
+                   devices.axes[i]->name() + ": has lost its reference, home it again"};
     }
     position[i] = state->position;
   }
@@ -122,12 +126,12 @@ Result<void> HomeAll(const MotionConfig& motion, Devices& devices, std::stop_tok
 }
 
 Result<Arrival> MoveAll(const RigConfig& rig, Devices& devices, Clock& clock,
-                        const ArmAngles& target, std::stop_token stop) {
+                        const AxisPositions& target, std::stop_token stop) {
   return MoveAlong(rig, devices, clock, {&target, 1}, stop);
 }
 
 Result<Arrival> MoveAlong(const RigConfig& rig, Devices& devices, Clock& clock,
-                          std::span<const ArmAngles> legs, std::stop_token stop) {
+                          std::span<const AxisPositions> legs, std::stop_token stop) {
   GONIO_CHECK(!legs.empty(), "a way without a target");
   Arrival arrival;
   for (std::size_t i = 0; i < legs.size(); ++i) {

@@ -11,13 +11,13 @@
 namespace gonio {
 
 struct Arrival {
-  ArmAngles readback{};  // encoders, after settling
-  int retries = 0;       // moves repeated because an axis had missed its target
-  Seconds still{0};      // session clock when the last axis came to rest, before settling
+  AxisPositions readback{};  // encoders, after settling
+  int retries = 0;           // moves repeated because an axis had missed its target
+  Seconds still{0};          // session clock when the last axis came to rest, before settling
 };
 
 // Asks every encoder. kProtocol: an axis is not homed, so that its position means nothing.
-Result<ArmAngles> ReadPositions(Devices& devices);
+Result<AxisPositions> ReadPositions(Devices& devices);
 
 // Homes one axis after the other, in the order of `motion`. Blocks for minutes.
 Result<void> HomeAll(const MotionConfig& motion, Devices& devices, std::stop_token stop);
@@ -28,11 +28,11 @@ Result<void> HomeAll(const MotionConfig& motion, Devices& devices, std::stop_tok
 // kRefused: an axis missed its target every time; the message names it. On any error every axis
 // has been stopped.
 Result<Arrival> MoveAll(const RigConfig& rig, Devices& devices, Clock& clock,
-                        const ArmAngles& target, std::stop_token stop);
+                        const AxisPositions& target, std::stop_token stop);
 
 // The same leg by leg; only at the end they settle. `legs` is not empty.
 Result<Arrival> MoveAlong(const RigConfig& rig, Devices& devices, Clock& clock,
-                          std::span<const ArmAngles> legs, std::stop_token stop);
+                          std::span<const AxisPositions> legs, std::stop_token stop);
 
 // Stops every axis; the first error is returned, but all are stopped. Those that are not open are
 // passed over.

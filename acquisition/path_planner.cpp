@@ -17,16 +17,16 @@
 namespace gonio {
 namespace {
 
-constexpr double kAzimuthStep = kPi / 4;    // of the search, rad
-constexpr double kElevationStep = kPi / 8;  // rad
-constexpr int kMostNodes = 4000;            // the search gives up
+constexpr double kWideStep = kPi / 4;    // of the search, rad
+constexpr double kNarrowStep = kPi / 8;  // rad
+constexpr int kMostNodes = 4000;         // the search gives up
 
 // Which axes have arrived: bit i of axis i.
 using Arrived = unsigned;
 constexpr Arrived kAllArrived = (1u << kAxes) - 1;
 
-ArmAngles Mixed(const ArmAngles& from, const ArmAngles& to, Arrived arrived) {
-  ArmAngles angles = from;
+AxisPositions Mixed(const AxisPositions& from, const AxisPositions& to, Arrived arrived) {
+  AxisPositions angles = from;
   for (int i = 0; i < kAxes; ++i) {
     if ((arrived >> i & 1) != 0) angles[i] = to[i];
   }
@@ -37,12 +37,17 @@ ArmAngles Mixed(const ArmAngles& from, const ArmAngles& to, Arrived arrived) {
 using Lattice = std::array<std::vector<double>, kAxes>;
 using Node = std::array<int, kAxes>;  // indices
 
-Lattice MakeLattice(const ArmAngles& from, const ArmAngles& to,
+// Axes that go a half turn at most are searched in smaller steps.
+double SearchStep(RigKind kind, int axis) {
+  const Range degrees = AllowedDegrees(kind, axis);
+  return degrees.max - degrees.min > 180 ? kWideStep : kNarrowStep;
+}
+
+Lattice MakeLattice(RigKind kind, const AxisPositions& from, const AxisPositions& to,
                     const std::array<AxisLimits, kAxes>& limits) {
   Lattice lattice;
   for (int i = 0; i < kAxes; ++i) {
-    const bool azimuth = i == kLightAzimuth || i == kCameraAzimuth;
-    const double step = azimuth ? kAzimuthStep : kElevationStep;
+    const double step = SearchStep(kind, i);
     const double low = limits[i].min_position;
     const double high = limits[i].max_position;
     std::vector<double>& values = lattice[i];
@@ -54,7 +59,7 @@ Lattice MakeLattice(const ArmAngles& from, const ArmAngles& to,
   return lattice;
 }
 
-Node NodeAt(const Lattice& lattice, const ArmAngles& angles) {
+Node NodeAt(const Lattice& lattice, const AxisPositions& angles) {
   Node node{};
   for (int i = 0; i < kAxes; ++i) {
     node[i] = static_cast<int>(std::find(lattice[i].begin(), lattice[i].end(), angles[i]) -
@@ -63,8 +68,8 @@ Node NodeAt(const Lattice& lattice, const ArmAngles& angles) {
   return node;
 }
 
-ArmAngles AnglesAt(const Lattice& lattice, const Node& node) {
-  ArmAngles angles{};
+AxisPositions AnglesAt(const Lattice& lattice, const Node& node) {
+  AxisPositions angles{};
   for (int i = 0; i < kAxes; ++i) angles[i] = lattice[i][node[i]];
   return angles;
 }
@@ -83,24 +88,27 @@ void VisitNeighbours(const Lattice& lattice, const Node& node, const Visit& visi
 
 }  // namespace
 
-PathPlanner::PathPlanner(const RigConfig& rig) : keep_out_(rig), kinematics_(rig), axes_(rig.axes) {
+PathPlanner::PathPlanner(const RigConfig& rig)
+    : keep_out_(rig), kinematics_(rig), kind_(rig.geometry.kind), axes_(rig.axes) {
   std::transform(axes_.begin(), axes_.end(), targets_.begin(), TargetLimits);
 }
 
 // An axis that turns passes its target on the way.
-std::optional<Contact> PathPlanner::FindOnLeg(const ArmAngles& from, const ArmAngles& to) const {
-  ArmAngles low{};
-  ArmAngles high{};
+std::optional<Contact> PathPlanner::FindOnLeg(const AxisPositions& from,
+                                              const AxisPositions& to) const {
+  AxisPositions low{};
+  AxisPositions high{};
   for (int i = 0; i < kAxes; ++i) {
     const double turn = TurningPoint(from[i], to[i], axes_[i]).value_or(to[i]);
     low[i] = std::min({from[i], to[i], turn});
     high[i] = std::max({from[i], to[i], turn});
   }
-  return keep_out_.FindBetween(kinematics_.TrueAngles(low), kinematics_.TrueAngles(high));
+  return keep_out_.FindBetween(kinematics_.TruePositions(low), kinematics_.TruePositions(high));
 }
 
 // Dijkstra over which axes have arrived: at most 65 legs.
-std::optional<Path> PathPlanner::PlanInOrder(const ArmAngles& from, const ArmAngles& to) const {
+std::optional<Path> PathPlanner::PlanInOrder(const AxisPositions& from,
+                                             const AxisPositions& to) const {
   Arrived start = 0;
   for (int i = 0; i < kAxes; ++i) {
     if (from[i] == to[i]) start |= 1u << i;
@@ -114,8 +122,8 @@ std::optional<Path> PathPlanner::PlanInOrder(const ArmAngles& from, const ArmAng
     if (std::isinf(cost[a])) continue;
     for (Arrived b = a + 1; b <= kAllArrived; ++b) {
       if ((a & b) != a) continue;
-      const ArmAngles leg_from = Mixed(from, to, a);
-      const ArmAngles leg_to = Mixed(from, to, b);
+      const AxisPositions leg_from = Mixed(from, to, a);
+      const AxisPositions leg_to = Mixed(from, to, b);
       const double arrival = cost[a] + kinematics_.TravelTime(leg_from, leg_to).count();
       if (arrival >= cost[b] || FindOnLeg(leg_from, leg_to)) continue;
       cost[b] = arrival;
@@ -130,8 +138,9 @@ std::optional<Path> PathPlanner::PlanInOrder(const ArmAngles& from, const ArmAng
 }
 
 // A* (Hart, Nilsson and Raphael, 1968): what is left takes at least the time of all axes together.
-std::optional<Path> PathPlanner::PlanAround(const ArmAngles& from, const ArmAngles& to) const {
-  const Lattice lattice = MakeLattice(from, to, targets_);
+std::optional<Path> PathPlanner::PlanAround(const AxisPositions& from,
+                                            const AxisPositions& to) const {
+  const Lattice lattice = MakeLattice(kind_, from, to, targets_);
   const Node start = NodeAt(lattice, from);
   const Node goal = NodeAt(lattice, to);
   struct Reached {
@@ -149,9 +158,9 @@ std::optional<Path> PathPlanner::PlanAround(const ArmAngles& from, const ArmAngl
     Reached& here = reached.at(node);
     if (std::exchange(here.done, true)) continue;
     if (node == goal) break;
-    const ArmAngles angles = AnglesAt(lattice, node);
+    const AxisPositions angles = AnglesAt(lattice, node);
     VisitNeighbours(lattice, node, [&](const Node& next) {
-      const ArmAngles there = AnglesAt(lattice, next);
+      const AxisPositions there = AnglesAt(lattice, next);
       const double cost = here.cost + kinematics_.TravelTime(angles, there).count();
       const auto known = reached.find(next);
       if (known != reached.end() && (known->second.done || known->second.cost <= cost)) return;
@@ -169,9 +178,9 @@ std::optional<Path> PathPlanner::PlanAround(const ArmAngles& from, const ArmAngl
   return path;
 }
 
-Path PathPlanner::Shortened(const ArmAngles& from, Path path) const {
+Path PathPlanner::Shortened(const AxisPositions& from, Path path) const {
   Path shorter;
-  ArmAngles here = from;
+  AxisPositions here = from;
   for (std::size_t i = 0; i < path.size();) {
     std::size_t next = path.size() - 1;
     while (next > i && FindOnLeg(here, path[next])) --next;
@@ -182,13 +191,13 @@ Path PathPlanner::Shortened(const ArmAngles& from, Path path) const {
   return shorter;
 }
 
-Result<Path> PathPlanner::Plan(const ArmAngles& from, const ArmAngles& to) const {
+Result<Path> PathPlanner::Plan(const AxisPositions& from, const AxisPositions& to) const {
   if (keep_out_.empty()) return Path{to};
-  if (const auto contact = keep_out_.FindAt(kinematics_.TrueAngles(from))) {
+  if (const auto contact = keep_out_.FindAt(kinematics_.TruePositions(from))) {
     return Error{ErrorCode::kProtocol,
-                 "the arms are where they must not be, move them by hand: " + contact->Text()};
+                 "the axes are where they must not be, move them by hand: " + contact->Text()};
   }
-  if (const auto contact = keep_out_.FindAt(kinematics_.TrueAngles(to))) {
+  if (const auto contact = keep_out_.FindAt(kinematics_.TruePositions(to))) {
     return Error{ErrorCode::kRefused, contact->Text()};
   }
   const auto in_the_way = FindOnLeg(from, to);
@@ -198,10 +207,10 @@ Result<Path> PathPlanner::Plan(const ArmAngles& from, const ArmAngles& to) const
   return Error{ErrorCode::kRefused, "there is no way around: " + in_the_way->Text()};
 }
 
-Result<Path> PathPlanner::PlanTo(const ArmAngles& from, const DirectionPair& pair) const {
+Result<Path> PathPlanner::PlanTo(const AxisPositions& from, const DirectionPair& pair) const {
   const HalfDiff angles = ToHalfDiff(pair);
   std::string why = "out of reach";
-  for (const ArmAngles& to : kinematics_.Solutions(pair, from)) {
+  for (const AxisPositions& to : kinematics_.Solutions(pair, from)) {
     Result<Path> path = Plan(from, to);
     if (path.ok() || path.error().code != ErrorCode::kRefused) return path;
     why = path.error().message;
@@ -214,7 +223,7 @@ Result<Path> PathPlanner::PlanTo(const ArmAngles& from, const DirectionPair& pai
 
 std::vector<bool> PathPlanner::Connected(std::span<const DirectionPair> poses) const {
   struct Group {
-    ArmAngles somewhere{};
+    AxisPositions somewhere{};
     std::vector<std::size_t> poses;
   };
   std::vector<Group> groups;
@@ -232,8 +241,8 @@ std::vector<bool> PathPlanner::Connected(std::span<const DirectionPair> poses) c
     bool joined = false;
     for (std::size_t g = 0; g < groups.size() && !joined; ++g) joined = g != last && join(g);
     if (joined) continue;
-    for (const ArmAngles& to : kinematics_.Solutions(poses[i], ArmAngles{})) {
-      if (keep_out_.FindAt(kinematics_.TrueAngles(to))) continue;
+    for (const AxisPositions& to : kinematics_.Solutions(poses[i], AxisPositions{})) {
+      if (keep_out_.FindAt(kinematics_.TruePositions(to))) continue;
       last = groups.size();
       groups.push_back({to, {i}});
       break;
@@ -248,10 +257,10 @@ std::vector<bool> PathPlanner::Connected(std::span<const DirectionPair> poses) c
   return connected;
 }
 
-Seconds PathPlanner::TravelTime(const ArmAngles& from, const Path& path) const {
+Seconds PathPlanner::TravelTime(const AxisPositions& from, const Path& path) const {
   Seconds time{0};
-  ArmAngles here = from;
-  for (const ArmAngles& leg : path) {
+  AxisPositions here = from;
+  for (const AxisPositions& leg : path) {
     time += kinematics_.TravelTime(here, leg);
     here = leg;
   }

@@ -13,7 +13,7 @@ namespace gonio {
 
 // One leg: all axes start together, each by way of its turning point (drivers/move_time.h), and all
 // are still before the next leg begins.
-using Path = std::vector<ArmAngles>;  // where the legs end; the last is the target
+using Path = std::vector<AxisPositions>;  // where the legs end; the last is the target
 
 // Threads: any, at the same time.
 class PathPlanner {
@@ -31,33 +31,33 @@ class PathPlanner {
   //   1. all axes together;
   //   2. the axes one after the other or in groups, the fastest free order: nothing moves away from
   //      where it has to go;
-  //   3. around: a search over positions 45 deg of azimuth and 22.5 deg of elevation apart, one
-  //   axis
-  //      at a time, shortened where a leg can be left out.
+  //   3. around: a search over positions 45 deg apart, 22.5 deg of elevations, tilts and arms in a
+  //      plane, one axis at a time, shortened where a leg can be left out.
   //
   // kRefused: no way was found, or the target itself is too near; the message says what is in the
   // way. kProtocol: `from` is too near already, so no move is safe: by hand only.
-  Result<Path> Plan(const ArmAngles& from, const ArmAngles& to) const;
+  Result<Path> Plan(const AxisPositions& from, const AxisPositions& to) const;
 
   // The same to a position that realises `pair`: the sooner one is reached, the sooner it is tried.
   // kRefused also if the pair is out of reach.
-  Result<Path> PlanTo(const ArmAngles& from, const DirectionPair& pair) const;
+  Result<Path> PlanTo(const AxisPositions& from, const DirectionPair& pair) const;
 
   // Sum of the legs, without settling.
-  Seconds TravelTime(const ArmAngles& from, const Path& path) const;
+  Seconds TravelTime(const AxisPositions& from, const Path& path) const;
 
   // Of each pose, whether it has a position and a way to it from the others: of the groups of poses
   // that are connected, the largest is kept.
   std::vector<bool> Connected(std::span<const DirectionPair> poses) const;
 
  private:
-  std::optional<Contact> FindOnLeg(const ArmAngles& from, const ArmAngles& to) const;
-  std::optional<Path> PlanInOrder(const ArmAngles& from, const ArmAngles& to) const;
-  std::optional<Path> PlanAround(const ArmAngles& from, const ArmAngles& to) const;
-  Path Shortened(const ArmAngles& from, Path path) const;
+  std::optional<Contact> FindOnLeg(const AxisPositions& from, const AxisPositions& to) const;
+  std::optional<Path> PlanInOrder(const AxisPositions& from, const AxisPositions& to) const;
+  std::optional<Path> PlanAround(const AxisPositions& from, const AxisPositions& to) const;
+  Path Shortened(const AxisPositions& from, Path path) const;
 
   KeepOut keep_out_;
   Kinematics kinematics_;
+  RigKind kind_;
   std::array<AxisLimits, kAxes> axes_;     // of the axes themselves
   std::array<AxisLimits, kAxes> targets_;  // of targets
 };

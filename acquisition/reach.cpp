@@ -7,10 +7,10 @@ namespace gonio {
 namespace {
 
 // Whether a position of the pair stands free; otherwise who is to blame at the first.
-bool StandsFree(const std::vector<ArmAngles>& positions, const Kinematics& kinematics,
+bool StandsFree(const std::vector<AxisPositions>& positions, const Kinematics& kinematics,
                 const KeepOut& keep_out, std::string* blame) {
-  for (const ArmAngles& at : positions) {
-    const auto contact = keep_out.FindAt(kinematics.TrueAngles(at));
+  for (const AxisPositions& at : positions) {
+    const auto contact = keep_out.FindAt(kinematics.TruePositions(at));
     if (!contact) return true;
     if (blame->empty()) {
       *blame = contact->second.empty() ? contact->first : contact->first + ", " + contact->second;
@@ -34,7 +34,7 @@ ReachMap MapReach(const RigConfig& rig, std::span<const DirectionPair> poses) {
   std::vector<DirectionPair> free;
   std::vector<std::size_t> where;
   for (std::size_t i = 0; i < poses.size(); ++i) {
-    const std::vector<ArmAngles> positions = kinematics.Solutions(poses[i], ArmAngles{});
+    const std::vector<AxisPositions> positions = kinematics.Solutions(poses[i], AxisPositions{});
     std::string blame;
     if (positions.empty()) {
       map.poses[i] = Reach::kLimits;

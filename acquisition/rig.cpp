@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -41,45 +42,59 @@ AxisLimits ReadAxis(const ConfigNode& node, Range allowed) {
   return limits;
 }
 
+void ReadAxes(const ConfigNode& axes, RigConfig& rig) {
+  const RigKind kind = rig.geometry.kind;
+  rig.axis_count = static_cast<int>(AxisNames(kind).size());
+  if (MayBeMissing(kind, rig.axis_count - 1) && !axes.Has(AxisNames(kind).back())) {
+    --rig.axis_count;
+  }
+  for (int i = 0; i < rig.axis_count; ++i) {
+    const ConfigNode axis = axes.Map(AxisNames(kind)[static_cast<std::size_t>(i)]);
+    rig.axes[i] = ReadAxis(axis, AllowedDegrees(kind, i));
+    if (!rig.simulated) rig.axis_devices[i] = ReadAxisDevice(axis.Map("device"));
+  }
+}
+
 GeometryConfig ReadGeometry(const ConfigNode& node) {
-  node.Choice("kind", {"four-axis"});
   GeometryConfig geometry;
+  geometry.kind = ReadRigKind(node);
   geometry.min_separation = RadFromDeg(node.Number("min_separation_deg", Range::Between(0, 90)));
   geometry.max_polar = RadFromDeg(node.Number("max_polar_deg", Range::Between(1, 89.9)));
   return geometry;
 }
 
-std::array<int, kAxes> ReadHomeOrder(const ConfigNode& node) {
+std::vector<int> ReadHomeOrder(const ConfigNode& node, std::span<const char* const> axes) {
   const std::vector<std::string> names = node.Texts("home_order");
-  std::array<int, kAxes> order{};
-  for (int i = 0; i < kAxes; ++i) {
-    const auto found = std::find(names.begin(), names.end(), kAxisNames[i]);
-    if (found == names.end() || names.size() != kAxes) {
-      node.Fail("home_order",
-                fmt::format("must name each of {} once", fmt::join(kAxisNames, ", ")));
+  std::vector<int> order(axes.size());
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto found = std::find(names.begin(), names.end(), axes[i]);
+    if (found == names.end() || names.size() != axes.size()) {
+      node.Fail("home_order", fmt::format("must name each of {} once", fmt::join(axes, ", ")));
     }
-    order[found - names.begin()] = i;
+    order[found - names.begin()] = static_cast<int>(i);
   }
   return order;
 }
 
-MotionConfig ReadMotion(const ConfigNode& node) {
+MotionConfig ReadMotion(const ConfigNode& node, std::span<const char* const> axes) {
   MotionConfig motion;
+  motion.home_order.resize(axes.size());
+  std::iota(motion.home_order.begin(), motion.home_order.end(), 0);
   motion.settle = Seconds(node.Number("settle_s", Range::NonNegative()));
   motion.home_limit =
       Seconds(node.NumberOr("home_limit_s", motion.home_limit.count(), Range::Positive()));
   motion.retries = node.IntegerOr("retries", motion.retries, 0, 10);
-  if (node.Has("home_order")) motion.home_order = ReadHomeOrder(node);
+  if (node.Has("home_order")) motion.home_order = ReadHomeOrder(node, axes);
   return motion;
 }
 
-ArmAngles ReadPark(const ConfigNode& node, const std::array<AxisLimits, kAxes>& axes) {
-  ArmAngles park{};
-  for (int i = 0; i < kAxes; ++i) {
-    const AxisLimits limits = TargetLimits(axes[i]);
-    park[i] =
-        RadFromDeg(node.Number(kAxisNames[i], Range::Between(DegFromRad(limits.min_position),
-                                                             DegFromRad(limits.max_position))));
+AxisPositions ReadPark(const ConfigNode& node, const RigConfig& rig) {
+  AxisPositions park{};
+  for (int i = 0; i < rig.axis_count; ++i) {
+    const AxisLimits limits = TargetLimits(rig.axes[i]);
+    const Range range =
+        Range::Between(DegFromRad(limits.min_position), DegFromRad(limits.max_position));
+    park[i] = RadFromDeg(node.Number(rig.axis_names()[static_cast<std::size_t>(i)], range));
   }
   return park;
 }
@@ -129,6 +144,16 @@ void ReadImaging(const ConfigNode& root, RigConfig& rig) {
     node.Fail("samples_per_image",
               fmt::format("is {}, must be a power of two", rig.samples_per_image));
   }
+}
+
+DriftPolicy ReadDrift(const ConfigNode& node, RigKind kind) {
+  const bool in_plane = IsInPlane(kind);
+  DriftPolicy drift = ReadDriftPolicy(node, in_plane ? 0 : 90);
+  if (in_plane && drift.pose && std::abs(std::sin(drift.pose->phi_d)) > 1e-9) {
+    node.Map("pose").Fail("phi_d_deg", "must be 0 or 180: the arms of a " +
+                                           std::string(ToString(kind)) + " move in one plane");
+  }
+  return drift;
 }
 
 ExposureConfig ReadExposure(const ConfigNode& node) {
@@ -229,17 +254,13 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   rig.text = std::move(text);
   rig.simulated = root.Choice("kind", {"simulated", "real"}) == "simulated";
   rig.geometry = ReadGeometry(root.Map("geometry"));
-  const ConfigNode axes = root.Map("axes");
-  for (int i = 0; i < kAxes; ++i) {
-    const bool azimuth = i == kLightAzimuth || i == kCameraAzimuth;
-    const ConfigNode axis = axes.Map(kAxisNames[i]);
-    rig.axes[i] = ReadAxis(axis, azimuth ? Range::Between(-360, 360) : Range::Between(0, 90));
-    if (!rig.simulated) rig.axis_devices[i] = ReadAxisDevice(axis.Map("device"));
+  ReadAxes(root.Map("axes"), rig);
+  if (root.Has("keep_out")) {
+    rig.keep_out = ReadKeepOut(root.Map("keep_out"), rig.geometry.kind);
   }
-  if (root.Has("keep_out")) rig.keep_out = ReadKeepOut(root.Map("keep_out"));
   const ConfigNode motion = root.Map("motion");
-  rig.motion = ReadMotion(motion);
-  if (motion.Has("park_deg")) rig.motion.park = ReadPark(motion.Map("park_deg"), rig.axes);
+  rig.motion = ReadMotion(motion, rig.axis_names());
+  if (motion.Has("park_deg")) rig.motion.park = ReadPark(motion.Map("park_deg"), rig);
   rig.failures = ReadFailures(root);
   // The least is not zero: without light there is nothing to divide by.
   const ConfigNode camera = root.Map("camera");
@@ -268,7 +289,7 @@ RigConfig ReadRig(const ConfigNode& root, std::string text) {
   ReadImaging(root, rig);
   rig.exposure = ReadExposure(root.Map("exposure"));
   rig.radiometry = ReadRadiometry(root.Map("radiometry"));
-  if (root.Has("drift")) rig.drift = ReadDriftPolicy(root.Map("drift"));
+  if (root.Has("drift")) rig.drift = ReadDrift(root.Map("drift"), rig.geometry.kind);
   if (root.Has("calibration")) {
     rig.calibration = ReadCalibrationPolicy(root.Map("calibration"));
   }

@@ -7,13 +7,16 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "acquisition/calibration/calibration_kind.h"
 #include "acquisition/drift.h"
 #include "acquisition/failure_policy.h"
 #include "acquisition/keep_out_config.h"
 #include "acquisition/radiometry/sensor.h"
+#include "acquisition/rig_kind.h"
 #include "brdf/brdf.h"
 #include "brdf/imaging.h"
 #include "core/clock.h"
@@ -27,16 +30,8 @@
 
 namespace gonio {
 
-// The four axes, in this order everywhere: arrays, tables, files.
-enum AxisIndex { kLightAzimuth, kLightElevation, kCameraAzimuth, kCameraElevation };
-inline constexpr int kAxes = 4;
-inline constexpr const char* kAxisNames[kAxes] = {"light_azimuth", "light_elevation",
-                                                  "camera_azimuth", "camera_elevation"};
-
-// Axis positions [rad] in AxisIndex order.
-using ArmAngles = std::array<double, kAxes>;
-
 struct GeometryConfig {
+  RigKind kind = RigKind::kFourAxisArms;
   // Smallest angle between the arms as seen from the sample [rad]: nearer, they touch or the camera
   // shadows the light. theta_d below half of it is out of reach.
   double min_separation = 0;
@@ -48,9 +43,9 @@ struct MotionConfig {
   Seconds home_limit{120};  // time-out of homing one axis, for the driver
   // One after the other in this order, and nothing watches what they pass: arms that can meet are
   // lifted apart first.
-  std::array<int, 4> home_order = {0, 1, 2, 3};
-  int retries = 2;                            // repeats of a move that ended outside its tolerance
-  std::optional<std::array<double, 4>> park;  // rad: where arms may be left, if a user wants that
+  std::vector<int> home_order = {0, 1, 2, 3};  // each of the rig's axes once
+  int retries = 2;                             // repeats of a move that ended outside its tolerance
+  std::optional<AxisPositions> park;           // where arms may be left, if a user wants that
 };
 
 struct ExposureConfig {
@@ -93,6 +88,7 @@ struct RigConfig {
   std::string name;
   std::string text;                    // the file as it was read, frozen into the session
   bool simulated = false;              // no part of it is real
+  int axis_count = kAxes;              // what is said of axes beyond these means nothing
   std::array<AxisLimits, kAxes> axes;  // soft limits
   std::array<std::optional<AxisDevice>, kAxes> axis_devices;  // empty: simulated
   GeometryConfig geometry;
@@ -121,14 +117,20 @@ struct RigConfig {
   CameraInfo camera;
   Imaging imaging;
   int samples_per_image = 1;  // a power of two; more than 1 only where pixels resolve directions
-  // True angles of the arms minus their encoders' [rad], and how sure the directions of light and
-  // camera are with them [rad]: of a geometry calibration, else unknown.
-  ArmAngles axis_offsets{};
+  // True positions of the axes minus their encoders' [rad], and how sure the directions of light
+  // and camera are with them [rad]: of a geometry calibration, else unknown.
+  AxisPositions axis_offsets{};
   std::optional<double> sigma_of_directions;
   std::optional<TimeModel> time_model;  // of a time calibration
+
+  // Of the axes that there are, in their order.
+  std::span<const char* const> axis_names() const {
+    return AxisNames(geometry.kind).first(static_cast<std::size_t>(axis_count));
+  }
 };
 
-// The opened devices. Destroying them stops the axes and switches the light off.
+// The opened devices; axes beyond RigConfig::axis_count are null. Destroying them stops the axes
+// and switches the light off.
 struct Devices {
   std::array<std::unique_ptr<Axis>, kAxes> axes;
   std::unique_ptr<Camera> camera;

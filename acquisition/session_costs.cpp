@@ -25,13 +25,13 @@ class Starts {
 
   const Kinematics& kinematics() const { return kinematics_; }
 
-  const std::optional<ArmAngles>& At(const DirectionPair& pair) {
+  const std::optional<AxisPositions>& At(const DirectionPair& pair) {
     for (const Start& start : starts_) {
       if (start.known && start.pair.wi == pair.wi && start.pair.wo == pair.wo) return start.angles;
     }
     Start& start = starts_[next_];
     next_ = (next_ + 1) % starts_.size();
-    start = {true, pair, kinematics_.Inverse(pair, ArmAngles{})};
+    start = {true, pair, kinematics_.Inverse(pair, AxisPositions{})};
     return start.angles;
   }
 
@@ -39,7 +39,7 @@ class Starts {
   struct Start {
     bool known = false;
     DirectionPair pair;
-    std::optional<ArmAngles> angles;
+    std::optional<AxisPositions> angles;
   };
   const Kinematics kinematics_;
   std::array<Start, 16> starts_;
@@ -73,9 +73,9 @@ SessionCosts CostsOn(const RigConfig& rig) {
   SessionCosts costs;
   costs.travel = [starts = std::make_shared<Starts>(rig)](const DirectionPair& from,
                                                           const DirectionPair& to) {
-    const std::optional<ArmAngles>& start = starts->At(from);
+    const std::optional<AxisPositions>& start = starts->At(from);
     if (!start) return 0.0;
-    const std::optional<ArmAngles> end = starts->kinematics().Inverse(to, *start);
+    const std::optional<AxisPositions> end = starts->kinematics().Inverse(to, *start);
     return end ? starts->kinematics().TravelTime(*start, *end).count() : 0.0;
   };
   costs.frame = [rig](const DirectionPair& pair, const Rgb& f_r) {
@@ -104,9 +104,11 @@ PartsOf PartsOn(const RigConfig& rig) {
           height = rig.camera.height / shrink, max_polar = rig.geometry.max_polar,
           count = rig.samples_per_image](const DirectionPair& pair) {
     std::vector<DirectionPair> parts;
-    const auto arms = kinematics.Inverse(pair, ArmAngles{});
-    if (!arms) return parts;
-    for (const ImageRegion& region : RegionsOf(imaging, *arms, width, height, max_polar, count)) {
+    const auto axes = kinematics.Inverse(pair, AxisPositions{});
+    if (!axes) return parts;
+    const ArmAngles arms = kinematics.TrueAngles(*axes);
+    for (const ImageRegion& region :
+         RegionsOf(kinematics.ImagingAt(imaging, *axes), arms, width, height, max_polar, count)) {
       parts.push_back(region.directions);
     }
     return parts;

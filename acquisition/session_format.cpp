@@ -12,6 +12,10 @@
 namespace gonio {
 namespace {
 
+// Of the columns that hold positions of the axes.
+const std::string kCommanded = "commanded_";
+const std::string kDegrees = "_deg";
+
 std::int64_t Pragma(sqlite::Database& db, const char* name) {
   sqlite::Statement statement(db, fmt::format("PRAGMA {}", name).c_str());
   return statement.Step() ? statement.Integer(0) : 0;
@@ -54,8 +58,34 @@ std::int64_t CheckSessionFormat(sqlite::Database& db) {
   return version;
 }
 
-void CreateSessionTables(sqlite::Database& db) {
-  db.Execute(kSessionSchema);
+std::vector<std::string> PositionColumns(const std::vector<std::string>& axes) {
+  std::vector<std::string> columns;
+  for (const std::string& which : {kCommanded, std::string("readback_")}) {
+    for (const std::string& axis : axes) columns.push_back(which + axis + kDegrees);
+  }
+  return columns;
+}
+
+std::vector<std::string> AxesIn(sqlite::Database& db) {
+  std::vector<std::string> axes;
+  sqlite::Statement column(db, "SELECT name FROM pragma_table_info('poses') ORDER BY cid");
+  while (column.Step()) {
+    const std::string name = column.Text(0);
+    if (!name.starts_with(kCommanded) || !name.ends_with(kDegrees)) continue;
+    axes.push_back(
+        name.substr(kCommanded.size(), name.size() - kCommanded.size() - kDegrees.size()));
+  }
+  return axes;
+}
+
+void CreateSessionTables(sqlite::Database& db, const std::vector<std::string>& axes) {
+  constexpr std::string_view kPlace = "@axes@";
+  std::string columns;
+  for (const std::string& name : PositionColumns(axes))
+    columns += "  " + name + " REAL NOT NULL,\n";
+  std::string schema = kSessionSchema;
+  schema.replace(schema.find(kPlace), kPlace.size(), columns);
+  db.Execute(schema.c_str());
   constexpr const char* kRefuse =
       "CREATE TRIGGER {0}_refuse_{1} BEFORE {1} ON {0} {2} BEGIN SELECT RAISE(ABORT, '{0} is "
       "append-only'); END";

@@ -101,7 +101,20 @@ Rgb ReadSystematic(const sqlite::Statement& row, int first) {
   return systematic;
 }
 
-std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) {
+// The columns of the axes, as if every rig had all that there may be.
+std::string Positions(const std::vector<std::string>& axes) {
+  std::string columns;
+  const std::vector<std::string> names = PositionColumns(axes);
+  for (std::size_t i = 0; i < 2 * kAxes; ++i) {
+    const std::size_t axis = i % kAxes;
+    columns += i == 0 ? "" : ", ";
+    columns += axis < axes.size() ? "p." + names[i / kAxes * axes.size() + axis] : "0.0";
+  }
+  return columns;
+}
+
+std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version,
+                                    const std::vector<std::string>& axes) {
   constexpr int kFirstSampleColumn = 22;
   constexpr int kFirstSystematicColumn = 34;
   const char* const systematic =
@@ -111,11 +124,9 @@ std::vector<MeasuredPose> ReadPoses(sqlite::Database& db, std::int64_t version) 
       "SELECT p.pose, p.candidate, p.reason, p.score, p.theta_h_deg, p.theta_d_deg, p.phi_d_deg,"
       " p.move_retries, p.start_s, p.move_s, p.end_s, p.predicted_error,"
       " (SELECT count(*) FROM exposures e WHERE e.pose = p.pose),"
-      " p.commanded_light_azimuth_deg, p.commanded_light_elevation_deg,"
-      " p.commanded_camera_azimuth_deg, p.commanded_camera_elevation_deg,"
-      " p.readback_light_azimuth_deg, p.readback_light_elevation_deg,"
-      " p.readback_camera_azimuth_deg, p.readback_camera_elevation_deg,"
-      " (SELECT total(exposure_s) FROM exposures e WHERE e.pose = p.pose),"
+      " " +
+      Positions(axes) +
+      ", (SELECT total(exposure_s) FROM exposures e WHERE e.pose = p.pose),"
       " s.wi_x, s.wi_y, s.wi_z, s.wo_x, s.wo_y, s.wo_z, s.f_r_red, s.f_r_green, s.f_r_blue,"
       " s.sigma_red, s.sigma_green, s.sigma_blue, " +
       std::string(systematic) +
@@ -256,7 +267,8 @@ SessionRecord ReadSession(const std::filesystem::path& dir) {
     const std::int64_t version = CheckSessionFormat(db);
     SessionRecord record;
     record.info = ReadInfo(db);
-    record.poses = ReadPoses(db, version);
+    record.info.axes = AxesIn(db);
+    record.poses = ReadPoses(db, version, record.info.axes);
     record.frames_by_colour = CountByColour(db, version);
     record.events = ReadEvents(db);
     record.end = FindEnd(record.events);

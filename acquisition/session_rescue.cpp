@@ -37,7 +37,7 @@ class Rescue {
 
   Rescued Run() {
     sqlite::Transaction transaction(to_);
-    CreateSessionTables(to_);
+    CreateSessionTables(to_, AxesIn(from_));
     CopyMeta();
     int gap = 0;
     for (std::int64_t seq = 1; gap < kGap; ++seq) {

@@ -33,9 +33,10 @@ TimeEstimate EstimateScan(const RigConfig& rig, std::span<const DirectionPair> p
                           Seconds exposing_per_pose) {
   const Kinematics kinematics(rig);
   TimeEstimate estimate;
-  std::optional<ArmAngles> at;
+  std::optional<AxisPositions> at;
   for (const DirectionPair& pair : poses) {
-    const std::optional<ArmAngles> target = kinematics.Inverse(pair, at.value_or(ArmAngles{}));
+    const std::optional<AxisPositions> target =
+        kinematics.Inverse(pair, at.value_or(AxisPositions{}));
     if (!target) continue;
     if (at) estimate.travel += kinematics.TravelTime(*at, *target);
     at = target;
@@ -57,7 +58,7 @@ TimeEstimate EstimateDenseScan(const RigConfig& rig, Seconds exposing_per_pose, 
   GONIO_CHECK(keep_rows > 0 && keep_rows <= 1, "a share of the rows");
   const Kinematics kinematics(rig);
   CandidateOptions options;
-  options.phi = PhiChoice::kAcross;
+  options.phi = IsInPlane(rig.geometry.kind) ? PhiChoice::kInPlane : PhiChoice::kAcross;
   std::vector<Candidate> raster = MakeCandidates(
       options, [&](const DirectionPair& pair) { return kinematics.Reachable(pair); });
   std::erase_if(raster, [&](const Candidate& c) { return !Keeps(c.row, keep_rows); });

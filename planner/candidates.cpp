@@ -31,9 +31,24 @@ double SpreadPhi(double theta_h, double theta_d, int row, int column, double sha
   return kPi / 2;
 }
 
+// At phi_d = 0 or, with light and detector exchanged, 180 degrees.
+void AddInPlane(Candidate candidate, const Reachable& reachable,
+                std::vector<Candidate>* candidates) {
+  for (const double phi : {0.0, kPi}) {
+    candidate.angles.phi_d = phi;
+    candidate.directions = ToDirections(candidate.angles);
+    if (!candidate.directions.above_horizon()) continue;
+    if (reachable && !reachable(candidate.directions)) continue;
+    candidate.angles.phi_d = 0;
+    candidates->push_back(candidate);
+    return;
+  }
+}
+
 // The candidates of one cell.
 void AddPhis(Candidate candidate, const CandidateOptions& options, const Reachable& reachable,
              std::vector<Candidate>* candidates) {
+  if (options.phi == PhiChoice::kInPlane) return AddInPlane(candidate, reachable, candidates);
   const bool across = options.phi == PhiChoice::kAcross;
   HalfDiff& angles = candidate.angles;
   for (int i = 0; i < (across ? 1 : options.phi_choices); ++i) {

@@ -22,11 +22,14 @@ struct Candidate {
 // Which phi_d a cell of the raster is measured at. A DSBRDF does not depend on phi_d, a material
 // may.
 enum class PhiChoice {
-  kAcross,  // 90 degrees everywhere: the two directions mirror each other across the half vector's
-            // plane of tilt; inside the horizon for every theta_h, theta_d
-  kSpread,  // a low-discrepancy sequence around 90 degrees, so that neighbours differ: a fit
-            // then averages over phi_d; cells without room keep to where both polar angles are
-            // small enough
+  kAcross,   // 90 degrees everywhere: the two directions mirror each other across the half vector's
+             // plane of tilt; inside the horizon for every theta_h, theta_d
+  kSpread,   // a low-discrepancy sequence around 90 degrees, so that neighbours differ: a fit
+             // then averages over phi_d; cells without room keep to where both polar angles are
+             // small enough
+  kInPlane,  // 0 degrees, the light farther from the normal than the detector; where that cannot be
+             // reached, 180, the two exchanged, which is the same by reciprocity. For rigs that
+             // reach nothing else; theta_h + theta_d < 90 degrees is all that they can
 };
 
 struct CandidateOptions {

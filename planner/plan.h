@@ -48,6 +48,9 @@ struct Plan {
 
   // Takes another prior.
   void Believe(Prior believed);
+  // For a rig whose directions always lie in one plane with the normal: whatever phi_d the file
+  // asks for, the candidates are those of PhiChoice::kInPlane.
+  void StayInPlane() { candidates.phi = PhiChoice::kInPlane; }
 };
 
 // Throws ConfigError naming file, line and key. A prior file is looked for beside the plan.

@@ -74,7 +74,7 @@ Result<Frame> SimCamera::Capture(Seconds exposure, std::stop_token stop) {
   if (auto seen = scene_->Look(); !seen) return seen.error();
   const Seconds start = clock_.Now();
   // To read darkness where the sample's reflectance is unknown would be to invent it.
-  const DirectionPair pair = ArmDirections(scene_->ArmsAt(start));
+  const DirectionPair pair = Place(truth_.rig, scene_->ArmsAt(start)).directions();
   if (pair.above_horizon() && !sample_.Eval(pair)) {
     return Error{ErrorCode::kRefused,
                  fmt::format("{}: {} is unknown at theta_i {:.2f}, theta_o {:.2f} deg", name_,

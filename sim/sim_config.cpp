@@ -23,13 +23,31 @@ std::array<double, kSize> NumbersOr0(const ConfigNode& node, const char* key, Ra
   return values;
 }
 
+int CountAxes(const ConfigNode& root, SimRigKind rig) {
+  const auto names = SimAxisNames(rig);
+  const bool last = rig != SimRigKind::kTiltingSample || root.Map("axes").Has(names.back());
+  return static_cast<int>(names.size()) - (last ? 0 : 1);
+}
+
+// A number for each axis of the rig.
+SimArms OfAxes(const ConfigNode& node, const char* key, double fallback, Range range,
+               const SimConfig& sim) {
+  SimArms values{};
+  values.fill(fallback);
+  if (!node.Has(key)) return values;
+  const auto count = static_cast<std::size_t>(sim.axes);
+  const std::vector<double> read = node.Numbers(key, count, range);
+  std::copy(read.begin(), read.end(), values.begin());
+  return values;
+}
+
 void ReadLampAndArms(const ConfigNode& node, SimConfig& sim) {
   sim.lamp_flicker = node.NumberOr("lamp_flicker", 0, Range::Between(0, 0.2));
   sim.lamp_fails_at = node.NumberOr("lamp_fails_at_s", 0, Range::NonNegative());
   sim.colour_crosstalk = node.NumberOr("colour_crosstalk", 0, Range::Between(0, 0.3));
   sim.responsivity_drift_per_hour =
       node.NumberOr("responsivity_drift_per_hour", 0, Range::Between(-0.2, 0.2));
-  sim.axis_offset = NumbersOr0<4>(node, "axis_offset_deg", Range::Between(-5, 5));
+  sim.axis_offset = OfAxes(node, "axis_offset_deg", 0, Range::Between(-5, 5), sim);
   for (double& angle : sim.axis_offset) angle = RadFromDeg(angle);
 }
 
@@ -49,14 +67,10 @@ void ReadImage(const ConfigNode& node, SimConfig& sim) {
 void ReadMotors(const ConfigNode& node, SimConfig& sim) {
   if (!node.Has("motors")) return;
   const ConfigNode motors = node.Map("motors");
-  const auto factors = [&](const char* key, SimArms& values) {
-    if (!motors.Has(key)) return;
-    const std::vector<double> read = motors.Numbers(key, 4, Range::Between(0.1, 10));
-    std::copy(read.begin(), read.end(), values.begin());
-  };
-  factors("speed_factor", sim.speed_factor);
-  factors("acceleration_factor", sim.acceleration_factor);
-  sim.more_overhead = NumbersOr0<4>(motors, "more_overhead_s", Range::Between(0, 10));
+  const Range factors = Range::Between(0.1, 10);
+  sim.speed_factor = OfAxes(motors, "speed_factor", 1, factors, sim);
+  sim.acceleration_factor = OfAxes(motors, "acceleration_factor", 1, factors, sim);
+  sim.more_overhead = OfAxes(motors, "more_overhead_s", 0, Range::Between(0, 10), sim);
   sim.frame_overhead = motors.NumberOr("frame_overhead_s", 0, Range::Between(0, 10));
 }
 
@@ -113,6 +127,8 @@ SimConfig ReadSim(const ConfigNode& root) {
     return node.Has(key) ? node.Number(key, range) : believed.Number(key, range);
   };
   SimConfig sim;
+  sim.rig = ReadSimRigKind(root);
+  sim.axes = CountAxes(root, sim.rig);
   sim.encoder_resolution =
       RadFromDeg(node.NumberOr("encoder_resolution_deg", 0, Range::Between(0, 1)));
   sim.repeatability = RadFromDeg(node.NumberOr("repeatability_deg", 0, Range::Between(0, 1)));

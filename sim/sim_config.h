@@ -9,12 +9,10 @@
 
 #include "brdf/brdf.h"
 #include "core/config.h"
+#include "sim/sim_geometry.h"
 #include "sim/sim_target.h"
 
 namespace gonio {
-
-// Light azimuth, light elevation, camera azimuth, camera elevation [rad].
-using SimArms = std::array<double, 4>;
 
 // Every imperfection is one number, and zero (or false) switches it off: with all of them off the
 // rig is exact to the camera's rounding.
@@ -43,7 +41,9 @@ struct SimConfig {
   // detector temperature. Drifts as the lamp does (SlowDrift).
   double responsivity_drift_per_hour = 0;
 
-  // The arms' true angles minus their encoders'.
+  SimRigKind rig = SimRigKind::kFourAxisArms;
+  int axes = 4;  // that it has
+  // The axes' true positions minus their encoders'.
   SimArms axis_offset{};
 
   // The image, where the rig's imaging gives each pixel its own directions (sim_optics.h).
@@ -67,7 +67,7 @@ struct SimConfig {
   // What stands on the stage instead of a sample, if a calibration asks for it.
   SimTarget target{};
 
-  // The arms' motors, of the rig's believed speed and acceleration, and seconds on top of a move.
+  // The axes' motors, of the rig's believed speed and acceleration, and seconds on top of a move.
   SimArms speed_factor{1, 1, 1, 1};
   SimArms acceleration_factor{1, 1, 1, 1};
   SimArms more_overhead{};

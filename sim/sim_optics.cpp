@@ -37,19 +37,6 @@ Imaging TrueImaging(Imaging imaging, const SimConfig& truth) {
   return imaging;
 }
 
-// Axes of what an arm carries: brdf/imaging.h. Not those of brdf/camera_axes.h: the truth has its
-// own geometry, so that a mistake there cannot hide behind itself.
-struct ArmFrame {
-  ArmFrame(double azimuth, double elevation)
-      : outward(FromSpherical(kPi / 2 - elevation, azimuth)),
-        right(-std::sin(azimuth), std::cos(azimuth), 0),
-        down(std::sin(elevation) * std::cos(azimuth), std::sin(elevation) * std::sin(azimuth),
-             -std::cos(elevation)) {}
-  Vector3d outward;
-  Vector3d right;
-  Vector3d down;
-};
-
 // How far from the axis [focal lengths] a ray left the lens that a pixel receives at `distorted`.
 double Straightened(double distorted, double distortion) {
   double r = distorted;
@@ -70,10 +57,11 @@ class SimOptics::Pose {
         middle_x_(optics.sensor_width_ / 2.0),
         middle_y_(optics.sensor_height_ / 2.0),
         target_(optics.truth_.target),
-        camera_(arms[2], arms[3]),
+        placement_(Place(optics.truth_.rig, arms)),
+        camera_(placement_.camera),
         turned_(SimTarget::Turned(imaging_.camera_turn)),
         pinhole_(imaging_.camera_distance * camera_.outward) {
-    const ArmFrame light(arms[0], arms[1]);
+    const SimMount& light = placement_.light;
     const auto& offset = optics.truth_.light_offset;
     light_at_infinity_ = std::isinf(imaging_.light_distance);
     light_ = light_at_infinity_ ? light.outward
@@ -168,7 +156,8 @@ class SimOptics::Pose {
   const double middle_x_;
   const double middle_y_;
   const SimTarget& target_;
-  const ArmFrame camera_;
+  const SimPlacement placement_;
+  const SimMount& camera_;
   const Eigen::Matrix3d turned_;  // the camera on its arm: right, down, forward
   const Vector3d pinhole_;
   bool light_at_infinity_ = false;
@@ -360,7 +349,7 @@ std::optional<SurfaceView> SimOptics::See(const SimArms& arms, double x, double 
 }
 
 Rgb SimOptics::UniformRate(const SimArms& arms, const Rgb& light, const Brdf& sample) const {
-  const DirectionPair pair = ArmDirections(arms);
+  const DirectionPair pair = Place(truth_.rig, arms).directions();
   const Rgb f_r = sample.Eval(pair).value_or(Rgb::Zero());
   return truth_.responsivity * (f_r.max(0) * std::max(pair.cos_theta_i(), 0.0) * light);
 }
@@ -385,10 +374,6 @@ SimImage SimOptics::Render(const SimArms& arms, double power, const Brdf& sample
   if (truth_.veiling_glare > 0) AddGlare(image, truth_.veiling_glare);
   for (float& value : image.values) value += static_cast<float>(truth_.stray_light * power);
   return image;
-}
-
-DirectionPair ArmDirections(const SimArms& arms) {
-  return {FromSpherical(kPi / 2 - arms[1], arms[0]), FromSpherical(kPi / 2 - arms[3], arms[2])};
 }
 
 }  // namespace gonio

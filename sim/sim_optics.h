@@ -16,9 +16,6 @@
 
 namespace gonio {
 
-// Where the arms point, in the sample's frame.
-DirectionPair ArmDirections(const SimArms& arms);
-
 // What one pixel sees of the sample.
 //
 // The local frame at a surface point: z is the normal, x the sample's x axis projected onto the

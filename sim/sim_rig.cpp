@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sim/sim_rig.h"
 
+#include <algorithm>
 #include <cmath>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "sim/sim_axis.h"
 
 namespace gonio {
 namespace {
 
-constexpr const char* kNames[4] = {"light_azimuth", "light_elevation", "camera_azimuth",
-                                   "camera_elevation"};
 // Streams of the generator; their numbers are part of what makes a seed repeatable.
 enum Stream {
   kStart = 0,
@@ -53,6 +54,16 @@ std::unique_ptr<SimAxis> MakeWheel(const SimConfig& truth, const SimWheel& wheel
                                    Random(seed, kWheelStream + 1));
 }
 
+// Arms have theirs at opposite ends, so that they are far apart once they are homed; what turns the
+// sample has it where it stands straight.
+double ReferenceMark(SimRigKind rig, int axis, const AxisLimits& limits) {
+  if (rig == SimRigKind::kFourAxisArms) return axis < 2 ? limits.min_position : limits.max_position;
+  const std::string_view name = SimAxisNames(rig)[static_cast<std::size_t>(axis)];
+  if (name == "light_arm") return limits.min_position;
+  if (name == "camera_arm") return limits.max_position;
+  return std::clamp(0.0, limits.min_position, limits.max_position);
+}
+
 }  // namespace
 
 std::shared_ptr<SimLamp> MakeSimLamp(const SimConfig& truth, std::uint64_t seed) {
@@ -66,9 +77,10 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
                           Clock& clock, std::uint64_t seed) {
   SimDevices devices;
   devices.lamp = MakeSimLamp(truth, seed);
-  std::array<SimAxis*, 4> axes{};
+  const auto names = SimAxisNames(truth.rig).first(static_cast<std::size_t>(truth.axes));
+  std::vector<SimAxis*> axes;
   Random start(seed, kStart);
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < std::ssize(names); ++i) {
     const AxisLimits& limits = setup.axes[i];
     const double range = limits.max_position - limits.min_position;
     devices.motors[i] = std::make_shared<SimMotor>(
@@ -78,12 +90,11 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
     SimAxisOptions options;
     options.encoder_resolution = truth.encoder_resolution;
     options.repeatability = truth.repeatability;
-    // Marks at opposite ends, so that the homed arms are far apart.
-    options.reference = i < 2 ? limits.min_position : limits.max_position;
+    options.reference = ReferenceMark(truth.rig, i, limits);
     options.home_limit = setup.home_limit;
-    auto axis = std::make_unique<SimAxis>(kNames[i], limits, options, devices.motors[i], clock,
-                                          Random(seed, kAxis + i));
-    axes[i] = axis.get();
+    auto axis = std::make_unique<SimAxis>(names[static_cast<std::size_t>(i)], limits, options,
+                                          devices.motors[i], clock, Random(seed, kAxis + i));
+    axes.push_back(axis.get());
     devices.axes[i] = std::move(axis);
   }
   auto camera = std::make_unique<SimCamera>(
@@ -104,7 +115,7 @@ SimDevices MakeSimDevices(const SimConfig& truth, const SimSetup& setup, const B
   devices.draw = [axes, wheel, seed, c = camera.get(), m = monitor.get()](std::uint64_t number) {
     const std::uint64_t drawn = Random::Hash(seed, number);
     if (wheel != nullptr) wheel->Reseed(Random(drawn, kWheelStream + 1));
-    for (int i = 0; i < 4; ++i) axes[i]->Reseed(Random(drawn, kAxis + i));
+    for (int i = 0; i < std::ssize(axes); ++i) axes[i]->Reseed(Random(drawn, kAxis + i));
     c->Reseed(Random(drawn, kCameraStream));
     m->Reseed(Random(drawn, kMonitorStream));
   };

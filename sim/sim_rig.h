@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// A simulated four-axis gonioreflectometer, opened.
+// A simulated gonioreflectometer, opened.
 
 #pragma once
 
@@ -25,8 +25,7 @@ struct SimWheel {
   FilterWheelSettings filters;
 };
 
-// What the rig's configuration says of its devices. Axes: light azimuth, light elevation, camera
-// azimuth, camera elevation.
+// What the rig's configuration says of its devices. Axes: in the order of SimAxisNames().
 struct SimSetup {
   std::array<AxisLimits, 4> axes;
   Seconds home_limit{120};
@@ -40,7 +39,7 @@ struct SimSetup {
 // The devices behind their interfaces, and the machine behind the devices for those who want the
 // truth.
 struct SimDevices {
-  std::array<std::unique_ptr<Axis>, 4> axes;
+  std::array<std::unique_ptr<Axis>, 4> axes;  // null where the rig has none
   std::unique_ptr<Camera> camera;
   std::unique_ptr<Light> light;
   std::unique_ptr<Monitor> monitor;

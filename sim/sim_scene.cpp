@@ -15,17 +15,20 @@ MotorScene::MotorScene(SimMotors motors, std::shared_ptr<const SimLamp> lamp, co
 
 SimArms MotorScene::ArmsAt(Seconds time) const {
   SimArms arms{};
-  for (std::size_t i = 0; i < arms.size(); ++i) arms[i] = motors_[i]->PositionAt(time);
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    if (motors_[i]) arms[i] = motors_[i]->PositionAt(time);
+  }
   return arms + offset_;
 }
 
 bool MotorScene::MovingBetween(Seconds begin, Seconds end) const {
   return std::any_of(motors_.begin(), motors_.end(),
-                     [&](const auto& motor) { return motor->MovingBetween(begin, end); });
+                     [&](const auto& motor) { return motor && motor->MovingBetween(begin, end); });
 }
 
 Result<void> ReadbackScene::Look() {
   for (std::size_t i = 0; i < arms_.size(); ++i) {
+    if (axes_[i] == nullptr) continue;
     const Result<AxisState> state = axes_[i]->State();
     if (!state) return state.error();
     if (state->moving) {

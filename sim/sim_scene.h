@@ -16,7 +16,7 @@
 
 namespace gonio {
 
-// Light azimuth, light elevation, camera azimuth, camera elevation.
+// In the order of SimAxisNames(); null where a rig has no axis.
 using SimMotors = std::array<std::shared_ptr<SimMotor>, 4>;
 
 class SimScene {
@@ -24,7 +24,7 @@ class SimScene {
   virtual ~SimScene() = default;
   // When the shutter opens. An error: there is nothing to be seen, and the camera reports it.
   virtual Result<void> Look() = 0;
-  // Where the arms truly point.
+  // Where the axes truly stand.
   virtual SimArms ArmsAt(Seconds time) const = 0;
   virtual bool MovingBetween(Seconds begin, Seconds end) const = 0;
   virtual double PowerAt(Seconds time) const = 0;  // of the lamp, relative to full power
@@ -34,7 +34,7 @@ class SimScene {
 // The sum of angles, one by one.
 SimArms operator+(const SimArms& a, const SimArms& b);
 
-// The truth about a simulated machine, whatever its encoders say. `offset`: of the arms from where
+// The truth about a simulated machine, whatever its encoders say. `offset`: of the axes from where
 // their motors stand (SimConfig::axis_offset).
 class MotorScene final : public SimScene {
  public:
@@ -53,7 +53,8 @@ class MotorScene final : public SimScene {
 
 // Real axes and a real light, as they are read back when the shutter opens: a simulated camera on a
 // machine that has no camera yet. The devices outlive it; all calls on them are made by Look().
-// `offset`: of the arms from what is read; `crosstalk`: of a light with colours (SpectrumOf).
+// `offset`: of the axes from what is read; axes that the rig does not have are null; `crosstalk`:
+// of a light with colours (SpectrumOf).
 class ReadbackScene final : public SimScene {
  public:
   ReadbackScene(const std::array<Axis*, 4>& axes, Light* light, const SimArms& offset = {},

@@ -86,9 +86,9 @@ Result<void> StepFrames::GoTo(const DirectionPair& pair) {
   const auto arrival = MoveAlong(parts_.rig, parts_.devices, parts_.clock, *path, options_.stop);
   if (!arrival) return arrival.error();
   arms_ = paths_.kinematics().TrueAngles(arrival->readback);
+  imaging_ = paths_.kinematics().ImagingAt(parts_.rig.imaging, arrival->readback);
   const CameraInfo& camera = parts_.rig.camera;
-  regions_ = RegionsOf(parts_.rig.imaging, arms_, camera.width, camera.height,
-                       parts_.rig.geometry.max_polar);
+  regions_ = RegionsOf(imaging_, arms_, camera.width, camera.height, parts_.rig.geometry.max_polar);
   if (regions_.empty()) return Error{ErrorCode::kRefused, "no pixel sees the sample lit"};
   return {};
 }

@@ -50,6 +50,8 @@ class StepFrames {
 
   // Where the arms are, in the sample's frame: encoders and the offsets of geometry.yaml.
   const ArmAngles& arms() const { return arms_; }
+  // As the camera is held there.
+  const Imaging& imaging() const { return imaging_; }
   const std::vector<ImageRegion>& regions() const { return regions_; }
   // What to meter on instead. Not empty.
   void LookAt(std::vector<ImageRegion> regions) { regions_ = std::move(regions); }
@@ -87,6 +89,7 @@ class StepFrames {
   const PathPlanner paths_;
   bool prepared_ = false;
   ArmAngles arms_{};
+  Imaging imaging_;
   std::vector<ImageRegion> regions_;
 };
 

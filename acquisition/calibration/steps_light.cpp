@@ -139,7 +139,7 @@ Responsivity JoinReadings(const std::vector<StandardReading>& readings, const st
 // Pixels well inside the trap, and all of them: rates of both are then as they are, not per light.
 Result<std::vector<ImageRegion>> TrapAndAll(const StepFrames& step, const Calibrations& earlier) {
   const RigConfig& rig = step.rig();
-  Imaging inside = rig.imaging;
+  Imaging inside = step.imaging();
   const double radius = step.options().trap_radius;
   inside.patch_radius = kInsideTrap * (radius > 0 ? radius : rig.imaging.patch_radius);
   std::vector<ImageRegion> regions =

@@ -164,14 +164,14 @@ std::vector<std::string> LinesOf(const Series& series) {
 
 // How much less light than in the middle each pixel's part of the tile gets, so that the flat is of
 // the camera alone. All 1 where pixels do not have their own directions.
-std::vector<float> LightOnPixels(const RigConfig& rig, const ArmAngles& arms) {
+std::vector<float> LightOnPixels(const RigConfig& rig, const StepFrames& step) {
   const auto pixels = static_cast<std::size_t>(rig.camera.width) * rig.camera.height;
   std::vector<float> lights(pixels, 1.0F);
   if (!rig.imaging.resolves_directions()) return lights;
-  Imaging wide = rig.imaging;
+  Imaging wide = step.imaging();
   wide.patch_radius = 0.99 * std::min(wide.camera_distance, wide.light_distance);
   const auto regions =
-      RegionsOf(wide, arms, rig.camera.width, rig.camera.height, rig.geometry.max_polar);
+      RegionsOf(wide, step.arms(), rig.camera.width, rig.camera.height, rig.geometry.max_polar);
   for (const ImageRegion& region : regions) {
     for (std::size_t i = 0; i < region.pixels.size() && !region.lights.empty(); ++i) {
       lights[region.pixels[i]] = region.lights[i];
@@ -332,7 +332,7 @@ Result<StepReport> CalibrateFlat(const StepParts& parts, const StepOptions& opti
     if (!taken) return taken.error();
     frames.push_back(std::move(taken).value());
   }
-  const std::vector<float> lights = LightOnPixels(parts.rig, step.arms());
+  const std::vector<float> lights = LightOnPixels(parts.rig, step);
   // Dead sites show in the flats only, and spoil the mean that all are compared with: twice.
   auto flats = FlatsOf(parts.rig, earlier, frames, lights);
   if (!flats) return flats.error();

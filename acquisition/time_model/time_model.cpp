@@ -75,7 +75,7 @@ struct Belief {
 
 std::array<double, kUnknowns> Believed(const RigConfig& rig) {
   std::array<double, kUnknowns> u{};
-  for (int i = 0; i < kAxes; ++i) {
+  for (int i = 0; i < rig.axis_count; ++i) {  // the rest never moves, and stays at 0
     u[kPerAxis * i] = std::log(rig.axes[i].max_speed);
     u[kPerAxis * i + 1] = std::log(rig.axes[i].acceleration);
     u[kPerAxis * i + 2] = rig.axes[i].move_overhead.count();
@@ -234,7 +234,8 @@ Result<TimeFit> FitTimes(const RigConfig& rig, const LoggedTimes& times) {
   return fit;
 }
 
-void WriteTimes(const std::filesystem::path& path, const TimeFit& fit, std::int64_t now) {
+void WriteTimes(const std::filesystem::path& path, const TimeFit& fit,
+                std::span<const char* const> axes, std::int64_t now) {
   WriteFileAtomically(path, [&](std::ostream& out) {
     const auto line = [&](const char* indent, const char* key, const MeasuredValue& e,
                           double unit) {
@@ -245,8 +246,8 @@ void WriteTimes(const std::filesystem::path& path, const TimeFit& fit, std::int6
                "# Each: value and standard uncertainty.\nversion: 1\nkind: time\n"
                "created_utc: \"{}\"\naxes:\n",
                UtcText(now));
-    for (int i = 0; i < kAxes; ++i) {
-      fmt::print(out, "  {}:  # the slowest in {} moves\n", kAxisNames[i], fit.decided[i]);
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      fmt::print(out, "  {}:  # the slowest in {} moves\n", axes[i], fit.decided[i]);
       line("    ", "max_speed_deg_s", fit.max_speed[i], degree);
       line("    ", "acceleration_deg_s2", fit.acceleration[i], degree);
       line("    ", "move_overhead_s", fit.move_overhead[i], 1);
@@ -258,15 +259,15 @@ void WriteTimes(const std::filesystem::path& path, const TimeFit& fit, std::int6
   });
 }
 
-TimeModel ReadTimes(const std::filesystem::path& path) {
+TimeModel ReadTimes(const std::filesystem::path& path, std::span<const char* const> names) {
   const ConfigNode root = ConfigNode::Load(path);
   root.Integer("version", 1, 1);
   root.Choice("kind", {"time"});
   (void)root.Text("created_utc");
   TimeModel model;
   const ConfigNode axes = root.Map("axes");
-  for (int i = 0; i < kAxes; ++i) {
-    const ConfigNode axis = axes.Map(kAxisNames[i]);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const ConfigNode axis = axes.Map(names[i]);
     model.max_speed[i] = RadFromDeg(axis.Numbers("max_speed_deg_s", 2, Range::NonNegative())[0]);
     model.acceleration[i] =
         RadFromDeg(axis.Numbers("acceleration_deg_s2", 2, Range::NonNegative())[0]);

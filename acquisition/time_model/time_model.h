@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <vector>
 
 #include "acquisition/radiometry/measured_value.h"
@@ -19,7 +20,7 @@ inline constexpr const char* kTimeFile = "time.yaml";
 
 // All axes at once, from standing still to standing still.
 struct LoggedMove {
-  ArmAngles way{};  // rad, signed
+  AxisPositions way{};  // rad, signed
   Seconds time{0};
 };
 
@@ -60,7 +61,9 @@ inline constexpr int kLeastMoves = 10;
 Result<TimeFit> FitTimes(const RigConfig& rig, const LoggedTimes& times);
 
 // Throws std::runtime_error or ConfigError naming file, line and key.
-void WriteTimes(const std::filesystem::path& path, const TimeFit& fit, std::int64_t now);
-TimeModel ReadTimes(const std::filesystem::path& path);
+void WriteTimes(const std::filesystem::path& path, const TimeFit& fit,
+                std::span<const char* const> axes, std::int64_t now);
+// `axes`: of the rig that it is read for; the names in the file must be theirs.
+TimeModel ReadTimes(const std::filesystem::path& path, std::span<const char* const> axes);
 
 }  // namespace gonio

@@ -26,8 +26,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The calibration's board and mirror are looked at by arms that go round them.
+void RefuseUncalibrated(const RigConfig& rig, const std::string& path) {
+  if (rig.geometry.kind == RigKind::kFourAxisArms) return;
+  throw ConfigError(fmt::format("{}: is of a rig of four-axis-arms, \"{}\" is a {}", path, rig.name,
+                                ToString(rig.geometry.kind)));
+}
+
 // The camera is compared when it is opened: until then, it is whatever the file says.
 void UseGeometryFile(const fs::path& path, RigFile& file) {
+  RefuseUncalibrated(file.config, path.string());
   file.calibrated_camera = ConfigNode::Load(path).Text("camera");
   UseGeometry(
       ReadGeometry(path, SensorFormatOf(file.config, file.calibrated_camera), std::time(nullptr)),
@@ -38,7 +46,8 @@ void UseCalibrations(RigFile& file) {
   const fs::path& folder = file.config.calibration.folder;
   if (folder.empty()) return;
   if (fs::exists(folder / kGeometryFile)) UseGeometryFile(folder / kGeometryFile, file);
-  if (fs::exists(folder / kTimeFile)) file.config.time_model = ReadTimes(folder / kTimeFile);
+  if (fs::exists(folder / kTimeFile))
+    file.config.time_model = ReadTimes(folder / kTimeFile, file.config.axis_names());
 }
 
 FilterWheelSettings FiltersOf(const RigConfig& config) {
@@ -126,8 +135,8 @@ void OpenWheel(const RigConfig& config, AxisOpener& opener, OpenedRig& rig) {
 }
 
 void OpenAxes(const RigConfig& config, AxisOpener& opener, OpenedRig& rig) {
-  for (int i = 0; i < kAxes; ++i) {
-    auto axis = OpenRealAxis(config, static_cast<AxisIndex>(i), opener);
+  for (int i = 0; i < config.axis_count; ++i) {
+    auto axis = OpenRealAxis(config, i, opener);
     if (!axis) Refuse(config.axis_devices[i]->where, axis.error(), *rig.wires);
     rig.devices.axes[i] = std::move(axis).value();
   }
@@ -212,10 +221,9 @@ void OpenCameraOf(const RigFile& file, const Brdf* sample, std::uint64_t seed, O
 
 }  // namespace
 
-Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
-                                           AxisOpener& opener) {
+Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, int axis, AxisOpener& opener) {
   ControllerAxisSettings settings;
-  settings.name = kAxisNames[axis];
+  settings.name = config.axis_names()[static_cast<std::size_t>(axis)];
   settings.limits = config.axes[axis];
   settings.home_limit = config.motion.home_limit;
   return opener.Open(*config.axis_devices[axis], settings);
@@ -288,11 +296,17 @@ std::map<std::string, std::string> IdentitiesOf(const Devices& devices) {
   const auto add = [&](const char* role, const auto& device) {
     if (device) identities[role] = device->identity();
   };
-  for (int i = 0; i < kAxes; ++i) add(kAxisNames[i], devices.axes[i]);
+  for (const auto& axis : devices.axes) {
+    if (axis) add(axis->name().c_str(), axis);
+  }
   add("camera", devices.camera);
   add("light", devices.light);
   add("monitor", devices.monitor);
   return identities;
+}
+
+void FitToRig(const RigConfig& rig, Plan& plan) {
+  if (IsInPlane(rig.geometry.kind)) plan.StayInPlane();
 }
 
 Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample) {
@@ -302,13 +316,14 @@ Reachable MeasurablePoses(const RigConfig& rig, const Brdf* sample) {
     const Kinematics kinematics;
     const PathPlanner paths;
     std::mutex mutex;
-    std::optional<ArmAngles> at;  // guarded
+    std::optional<AxisPositions> at;  // guarded
   };
   return [ways = std::make_shared<Ways>(rig), sample](const DirectionPair& pair) {
     if (sample != nullptr && !sample->Eval(pair)) return false;
     if (ways->paths.free()) return ways->kinematics.Reachable(pair);
     const std::lock_guard lock(ways->mutex);
-    for (const ArmAngles& to : ways->kinematics.Solutions(pair, ways->at.value_or(ArmAngles{}))) {
+    const AxisPositions from = ways->at.value_or(AxisPositions{});
+    for (const AxisPositions& to : ways->kinematics.Solutions(pair, from)) {
       if (!ways->paths.Plan(ways->at.value_or(to), to)) continue;
       ways->at = to;
       return true;

@@ -20,6 +20,7 @@
 #include "drivers/genicam_camera.h"
 #include "drivers/link_log.h"
 #include "planner/candidates.h"
+#include "planner/plan.h"
 #include "sim/sim_config.h"
 
 namespace gonio {
@@ -79,8 +80,10 @@ Result<void> Reopen(const RigFile& file, const Brdf* sample, std::uint64_t seed,
 std::map<std::string, std::string> IdentitiesOf(const Devices& devices);
 
 // One axis of it, as OpenReal() opens them, on a line that others may share.
-Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, AxisIndex axis,
-                                           AxisOpener& opener);
+Result<std::unique_ptr<Axis>> OpenRealAxis(const RigConfig& config, int axis, AxisOpener& opener);
+
+// Has a plan choose from what a rig of this kind can reach at all.
+void FitToRig(const RigConfig& rig, Plan& plan);
 
 // The poses a plan may choose from: those the rig can reach, by ways that touch nothing, and where
 // the simulated `sample`, which must outlive the result, has a reflectance: measured materials end

@@ -25,6 +25,12 @@ namespace fs = std::filesystem;
 constexpr int kLeastSide = 200;
 
 void CheckRig(const RigConfig& rig, const CalibrateGeometryOptions& options) {
+  if (rig.geometry.kind != RigKind::kFourAxisArms) {
+    ConfigNode::Parse(rig.text, options.rig)
+        .Map("geometry")
+        .Fail("kind", fmt::format("is {}: only the geometry of four-axis-arms can be calibrated",
+                                  ToString(rig.geometry.kind)));
+  }
   if (!rig.imaging.resolves_directions()) {
     throw ConfigError(options.rig + ": imaging: is needed to calibrate the geometry");
   }

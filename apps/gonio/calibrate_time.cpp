@@ -15,15 +15,15 @@
 namespace gonio {
 namespace {
 
-void Print(const TimeFit& fit) {
+void Print(const TimeFit& fit, std::span<const char* const> axes) {
   fmt::print("{:17} {:>18} {:>20} {:>18} {}\n", "axis", "speed, deg/s", "acc., deg/s2",
              "overhead, s", "decided");
-  for (int i = 0; i < kAxes; ++i) {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
     const auto cell = [](const MeasuredValue& e, double unit) {
       return fmt::format("{:.3f} +- {:.3f}", e.value / unit, e.sigma / unit);
     };
     const double degree = RadFromDeg(1);
-    fmt::print("{:17} {:>18} {:>20} {:>18} {:>7}\n", kAxisNames[i], cell(fit.max_speed[i], degree),
+    fmt::print("{:17} {:>18} {:>20} {:>18} {:>7}\n", axes[i], cell(fit.max_speed[i], degree),
                cell(fit.acceleration[i], degree), cell(fit.move_overhead[i], 1), fit.decided[i]);
   }
   fmt::print("each pose  {:.3f} +- {:.3f} s, each frame {:.3f} +- {:.3f} s\n",
@@ -52,11 +52,11 @@ int CalibrateTimeCommand(const CalibrateTimeOptions& options) {
   }
   const auto fit = FitTimes(rig, times);
   if (!fit) throw ConfigError(fit.error().message);
-  Print(*fit);
+  Print(*fit, rig.axis_names());
   if (!options.out.parent_path().empty()) {
     std::filesystem::create_directories(options.out.parent_path());
   }
-  WriteTimes(options.out, *fit, std::time(nullptr));
+  WriteTimes(options.out, *fit, rig.axis_names(), std::time(nullptr));
   fmt::print("wrote {}\n", options.out.string());
   return kDone;
 }

@@ -46,6 +46,7 @@ class Scene {
       : truth_(file.simulation),
         leds_(file.config.colour_channels.has_value()),
         wheel_(file.config.filter_wheel),
+        axes_(file.config.axis_names().size()),
         bench_(bench),
         sample_(sample),
         imager_(file.simulation, file.built, settings.sensor_width, settings.sensor_height,
@@ -53,7 +54,7 @@ class Scene {
 
   void Expose(const GigeExposure& settings, std::vector<std::uint16_t>& counts) {
     SimView view;
-    for (std::size_t i = 0; i < view.arms.size(); ++i) view.arms[i] = bench_.Angle(i);
+    for (std::size_t i = 0; i < axes_; ++i) view.arms[i] = bench_.Angle(i);
     view.arms = view.arms + truth_.axis_offset;
     view.power = bench_.LampPower();
     view.spectrum = Spectrum();
@@ -85,6 +86,7 @@ class Scene {
   const SimConfig truth_;
   const bool leds_;
   const std::optional<FilterWheel> wheel_;
+  const std::size_t axes_;
   const DeviceBench& bench_;
   const Brdf& sample_;
   SimImager imager_;

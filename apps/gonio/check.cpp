@@ -5,6 +5,7 @@
 
 #include <array>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "acquisition/reach.h"
 #include "apps/gonio/build_rig.h"
@@ -20,7 +21,11 @@ using nlohmann::json;
 
 constexpr int kStepDeg = 2;
 constexpr int kCells = 90 / kStepDeg;
-constexpr std::array kPhiDeg = {0, 45, 90};
+
+// Of an in-plane rig: with the light farther from the normal, and with the camera.
+std::vector<int> PhisDeg(RigKind kind) {
+  return IsInPlane(kind) ? std::vector{0, 180} : std::vector{0, 45, 90};
+}
 
 struct Kind {
   Reach reach;
@@ -125,10 +130,11 @@ std::string DrawPanel(const Panel& panel, bool first, const std::string& key, Pl
 Plot Draw(const std::string& rig_name, const std::vector<Panel>& panels) {
   Plot plot;
   plot.title = "Poses that " + rig_name + " can measure";
-  plot.width = 1080;
+  plot.width = 360 * static_cast<int>(panels.size());
   plot.height = 460;
-  plot.script =
-      "set multiplot layout 1,3 margins 0.06,0.99,0.3,0.92 spacing 0.05\n"
+  plot.script = fmt::format("set multiplot layout 1,{} margins {:.2f},0.99,0.3,0.92 spacing 0.05\n",
+                            panels.size(), 0.18 / static_cast<double>(panels.size()));
+  plot.script +=
       "set xrange [0:90]\nset yrange [0:90]\nset xtics 30\nset ytics 30\n"
       "set xlabel 'theta_h [deg]' noenhanced\nset size ratio 1\n";
   const std::string key = Key(panels);
@@ -145,7 +151,8 @@ int CheckCommand(const CheckOptions& options) {
   if (!options.out.empty()) CheckPlotPath(options.out);
   const RigFile rig = LoadRig(LocateConfig(options.rig));
   std::vector<Panel> panels;
-  for (const int phi : kPhiDeg) panels.push_back(MakePanel(rig.config, phi));
+  for (const int phi : PhisDeg(rig.config.geometry.kind))
+    panels.push_back(MakePanel(rig.config, phi));
   if (options.json != "-") {
     fmt::print("rig              {}\n", rig.config.name);
     for (const Panel& panel : panels) Print(panel);

@@ -46,6 +46,7 @@ class Task {
         truth_(OpenBrdf(session.material.path)),
         plan_(session.contestant.plan) {
     static const std::vector<std::string> kNone;
+    FitToRig(session.rig.config, plan_);
     if (session.contestant.learned_prior) plan_.Believe(session.learned->prior);
     RefuseSeen(session.material, plan_.prior,
                session.learned != nullptr ? session.learned->hashes : kNone);

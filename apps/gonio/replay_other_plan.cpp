@@ -105,7 +105,8 @@ json ReplayOtherPlan(const std::string& name, const SessionSetup& setup,
                      const std::vector<MeasuredPose>& poses, std::uint64_t seed,
                      const fs::path& session, const fs::path& out) {
   const RigConfig& rig = setup.rig.config;
-  const Plan plan = LoadPlan(LocateConfig(name));
+  Plan plan = LoadPlan(LocateConfig(name));
+  FitToRig(rig, plan);
   const SessionCosts costs = CostsOn(rig);
   const std::unique_ptr<Planner> planner = MakePlanner(plan, {.reachable = setup.Measurable(),
                                                               .costs = costs,

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "acquisition/session_costs.h"
+#include "apps/gonio/build_rig.h"
 #include "apps/gonio/open_any.h"
 #include "apps/gonio/summary.h"
 #include "brdf/metrics.h"
@@ -164,6 +165,7 @@ ReportFacts GatherFacts(const std::filesystem::path& dir) {
   // Nobody knows the rig of imported samples, and so not what else it would take.
   const bool imported = !facts.session.info.imported.empty();
   if (!imported) facts.rig = RigOf(facts.session.info);
+  FitToRig(facts.rig, facts.plan);
   try {
     ReadEvents(&facts);
   } catch (const json::exception& e) {

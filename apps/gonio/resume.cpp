@@ -2,7 +2,9 @@
 // gonio run --resume: a session goes on after whatever ended it.
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "acquisition/radiometry.h"
@@ -54,6 +56,7 @@ class Resumption {
     RefuseChanges();
     SessionChoice choice = ChoiceOf(now_, dir_);
     setup_ = SetUp(choice);
+    RefuseOtherAxes();
     CompareContents();
     RefuseChanges();
     CheckCopies();
@@ -95,6 +98,14 @@ class Resumption {
     if (damage.empty()) return;
     throw ConfigError(fmt::format("{}: is damaged: {}; gonio rescue keeps what is whole",
                                   dir_.string(), damage.front()));
+  }
+
+  // What was measured is kept as positions of the axes that the rig had.
+  void RefuseOtherAxes() const {
+    const auto axes = setup_.rig.config.axis_names();
+    if (std::equal(axes.begin(), axes.end(), was_.axes.begin(), was_.axes.end())) return;
+    throw ConfigError(fmt::format("{}: geometry.kind: has other axes than the session's: {}",
+                                  was_.rig_path, fmt::join(was_.axes, ", ")));
   }
 
   // Notes a change; `key`: of `meta`, whose value is another from now on.

@@ -73,6 +73,7 @@ SessionSetup SetUp(const SessionChoice& choice) {
                        uses ? CalibrationUse::kUsed : CalibrationUse::kIgnored, choice.calibration);
   if (!uses) setup.rig.config.calibration.folder.clear();
   setup.plan = ParsePlan(choice.plan_text, choice.plan_path.string());
+  FitToRig(setup.rig.config, setup.plan);
   if (choice.max_poses > 0) setup.plan.max_poses = choice.max_poses;
   if (!choice.prior.empty()) {
     setup.plan.Believe(OpenPrior(choice.prior, setup.plan.prior.shape));
@@ -141,6 +142,8 @@ SessionInfo Describe(const SessionChoice& choice, const SessionSetup& setup,
   info.rig_name = setup.rig.config.name;
   info.rig_path = fs::absolute(choice.rig_path).string();
   info.rig_text = choice.rig_text;
+  const auto axes = setup.rig.config.axis_names();
+  info.axes.assign(axes.begin(), axes.end());
   info.plan_path = fs::absolute(choice.plan_path).string();
   info.plan_text = choice.plan_text;
   info.prior_name = setup.plan.prior.name;

@@ -31,7 +31,7 @@ BenchDevices DevicesOf(const std::string& file, const RigConfig& rig) {
     throw ConfigError(file + ": is a simulated rig, which needs no doubles (kind: real)");
   }
   BenchDevices devices;
-  for (int i = 0; i < kAxes; ++i) {
+  for (int i = 0; i < rig.axis_count; ++i) {
     devices.axes.push_back(*rig.axis_devices[i]);
     devices.limits.push_back(rig.axes[i]);
   }

@@ -75,6 +75,7 @@ SimulatedSession Simulate(const RigFile& rig_file, const NamedPlan& named,
                           const NamedMaterial& material, std::uint64_t seed, double target,
                           const SessionStop& stop) {
   Plan plan = named.plan;
+  FitToRig(rig_file.config, plan);
   if (target > 0) plan.information.target_error = 0;
   const std::unique_ptr<Planner> planner =
       MakePlanner(plan, {.reachable = MeasurablePoses(rig_file.config, material.brdf.get()),

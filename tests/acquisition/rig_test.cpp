@@ -191,8 +191,9 @@ INSTANTIATE_TEST_SUITE_P(
         BadRig{"name: simulated lab stage", "name: \"\"", "name: must not be empty"},
         BadRig{"kind: simulated", "kind: imagined",
                "kind: is \"imagined\", must be one of simulated, real"},
-        BadRig{"kind: four-axis", "kind: dome",
-               "geometry.kind: is \"dome\", must be one of four-axis"},
+        BadRig{"kind: four-axis-arms", "kind: dome",
+               "geometry.kind: is \"dome\", must be one of four-axis-arms, turntable, "
+               "tilting-sample, four-axis"},
         BadRig{"min_separation_deg: 3", "min_separation_deg: -3",
                "geometry.min_separation_deg: is -3, must be between 0 and 90"},
         BadRig{"max_polar_deg: 86", "max_polar_deg: 90",

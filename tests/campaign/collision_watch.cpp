@@ -32,7 +32,7 @@ std::vector<CollisionWatch::Ball> CollisionWatch::BallsOf(const std::vector<Soli
                                                           double azimuth, double elevation) {
   std::vector<Ball> balls;
   for (const SolidPart& part : parts) {
-    const double tilt = part.tilts ? elevation : 0;
+    const double tilt = part.axes > 1 ? elevation : 0;
     const Eigen::Vector3d along(std::cos(tilt) * std::cos(azimuth),
                                 std::cos(tilt) * std::sin(azimuth), std::sin(tilt));
     const Eigen::Vector3d up(-std::sin(tilt) * std::cos(azimuth),

@@ -162,8 +162,8 @@ TEST(ReadTimes, ReadsWhatWasWritten) {
   times.moves = Moves(40, 6, 0.01);
   const auto fit = FitTimes(SlowRig(), times);
   ASSERT_TRUE(fit);
-  WriteTimes(dir.path() / kTimeFile, *fit, 1700000000);
-  const TimeModel model = ReadTimes(dir.path() / kTimeFile);
+  WriteTimes(dir.path() / kTimeFile, *fit, kAxisNames, 1700000000);
+  const TimeModel model = ReadTimes(dir.path() / kTimeFile, kAxisNames);
   for (int i = 0; i < kAxes; ++i) {
     EXPECT_NEAR(model.max_speed[i], fit->max_speed[i].value, 1e-8);
     EXPECT_NEAR(model.acceleration[i], fit->acceleration[i].value, 1e-8);

@@ -44,13 +44,17 @@ std::unique_ptr<Device> Opened(Result<std::unique_ptr<Device>> device) {
 
 std::unique_ptr<Axis> OpenAxis(int index) {
   AxisOpener opener(RealTime().get(), std::make_shared<LinkLog>(RealTime().get()));
-  return Opened(OpenRealAxis(*Rig(), static_cast<AxisIndex>(index), opener));
+  return Opened(OpenRealAxis(*Rig(), index, opener));
 }
 
 AxisSubject SubjectOf(int index) {
   AxisSubject subject;
   if (Rig() == nullptr) {
     subject.absent = kNoRig;
+    return subject;
+  }
+  if (index >= Rig()->axis_count) {
+    subject.absent = "the rig has fewer axes";
     return subject;
   }
   subject.clock = RealTime();

@@ -164,6 +164,7 @@ class FaultyRig {
  public:
   FaultyRig(Devices& devices, const FaultScript& script) {
     for (int i = 0; i < kAxes; ++i) {
+      if (!devices.axes[i]) continue;
       auto axis = std::make_unique<FaultyAxis>(std::move(devices.axes[i]), script);
       axes_[i] = &axis->faults;
       devices.axes[i] = std::move(axis);
@@ -176,7 +177,9 @@ class FaultyRig {
   // As SessionParts::reopen: plugs in again what was gone.
   void Reopen(FailureClass failure) {
     if (failure == FailureClass::kAxis) {
-      for (Faults* const axis : axes_) axis->Replug();
+      for (Faults* const axis : axes_) {
+        if (axis != nullptr) axis->Replug();
+      }
     } else {
       for (Faults* const instrument : instruments_) instrument->Replug();
     }

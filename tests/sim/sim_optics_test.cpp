@@ -52,7 +52,7 @@ void ExpectSame(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 
 TEST(SimOptics, TheMiddleSeesTheArmsDirections) {
   const SimArms arms = Degrees(20, 40, 170, 65);
-  const DirectionPair pair = ArmDirections(arms);
+  const DirectionPair pair = Place(SimRigKind::kFourAxisArms, arms).directions();
   for (const auto kind :
        {SampleShape::Kind::kFlat, SampleShape::Kind::kSphere, SampleShape::Kind::kCylinder}) {
     const auto view = Optics(Curved(kind)).See(arms, kMiddle, kMiddle);
