@@ -21,11 +21,11 @@ double PolarAngle(const Eigen::Vector3d& direction) {
 }  // namespace
 
 Kinematics::Kinematics(const RigConfig& rig) : geometry_(rig.geometry) {
-  std::transform(rig.axes.begin(), rig.axes.end(), space_.limits.begin(), TargetLimits);
-  space_.kind = geometry_.kind;
+  std::transform(rig.axes.begin(), rig.axes.end(), soonest_.limits.begin(), TargetLimits);
+  soonest_.kind = geometry_.kind;
   offsets_ = rig.axis_offsets;
   for (int i = 0; i < kAxes; ++i) {
-    AxisLimits& limits = space_.limits[i];
+    AxisLimits& limits = soonest_.limits[i];
     limits.min_position += offsets_[i];
     limits.max_position += offsets_[i];
     if (!rig.time_model) continue;
@@ -33,9 +33,10 @@ Kinematics::Kinematics(const RigConfig& rig) : geometry_(rig.geometry) {
     limits.acceleration = rig.time_model->acceleration[i];
     limits.move_overhead = rig.time_model->move_overhead[i];
   }
+  all_ = soonest_;
   if (rig.keep_out.sample.empty()) return;
   for (double turn = -2 * kPi; turn <= 2 * kPi; turn += kTurnStep) {
-    space_.sample_turns.push_back(turn);
+    all_.sample_turns.push_back(turn);
   }
 }
 
@@ -68,10 +69,10 @@ bool Kinematics::Allowed(const DirectionPair& pair) const {
 }
 
 template <typename Visit>
-void Kinematics::VisitEncoders(const DirectionPair& pair, const AxisPositions& from,
-                               const Visit& visit) const {
+void Kinematics::VisitEncoders(const AxisSpace& space, const DirectionPair& pair,
+                               const AxisPositions& from, const Visit& visit) const {
   if (!Allowed(pair)) return;
-  VisitSolutions(space_, pair, TruePositions(from), [&](AxisPositions positions) {
+  VisitSolutions(space, pair, TruePositions(from), [&](AxisPositions positions) {
     for (int i = 0; i < kAxes; ++i) positions[i] -= offsets_[i];
     visit(positions);
   });
@@ -81,7 +82,7 @@ std::optional<AxisPositions> Kinematics::Inverse(const DirectionPair& pair,
                                                  const AxisPositions& from) const {
   std::optional<AxisPositions> best;
   Seconds best_time{0};
-  VisitEncoders(pair, from, [&](const AxisPositions& positions) {
+  VisitEncoders(soonest_, pair, from, [&](const AxisPositions& positions) {
     const Seconds time = TravelTime(from, positions);
     if (best && time >= best_time - Seconds(1e-9)) return;
     best = positions;
@@ -94,7 +95,7 @@ std::vector<AxisPositions> Kinematics::Solutions(const DirectionPair& pair,
                                                  const AxisPositions& from) const {
   std::vector<AxisPositions> solutions;
   if (const auto best = Inverse(pair, from)) solutions.push_back(*best);
-  VisitEncoders(pair, from, [&](const AxisPositions& positions) {
+  VisitEncoders(all_, pair, from, [&](const AxisPositions& positions) {
     if (std::find(solutions.begin(), solutions.end(), positions) == solutions.end()) {
       solutions.push_back(positions);
     }
@@ -113,7 +114,7 @@ bool Kinematics::Reachable(const DirectionPair& pair) const {
 Seconds Kinematics::TravelTime(const AxisPositions& from, const AxisPositions& to) const {
   Seconds longest{0};
   for (int i = 0; i < kAxes; ++i) {
-    longest = std::max(longest, MoveTime(to[i] - from[i], space_.limits[i]));
+    longest = std::max(longest, MoveTime(to[i] - from[i], soonest_.limits[i]));
   }
   return longest;
 }

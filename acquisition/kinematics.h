@@ -49,10 +49,11 @@ class Kinematics {
  private:
   bool Allowed(const DirectionPair& pair) const;
   template <typename Visit>
-  void VisitEncoders(const DirectionPair& pair, const AxisPositions& from,
+  void VisitEncoders(const AxisSpace& space, const DirectionPair& pair, const AxisPositions& from,
                      const Visit& visit) const;
 
-  AxisSpace space_;
+  AxisSpace soonest_;  // without detours of the sample, which no pose is reached sooner by
+  AxisSpace all_;
   AxisPositions offsets_{};
   GeometryConfig geometry_;
 };

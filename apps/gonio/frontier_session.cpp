@@ -145,7 +145,9 @@ RigFile WithoutNoise(RigFile rig) {
   believed.electrons_per_count *= finer;
   believed.read_noise = believed.dark_current = 0;
   believed.multiplicative_noise = believed.monitor_noise = 0;
-  rig.simulation = {.responsivity = rig.simulation.responsivity,
+  rig.simulation = {.rig = rig.simulation.rig,
+                    .axes = rig.simulation.axes,
+                    .responsivity = rig.simulation.responsivity,
                     .electrons_per_count = rig.simulation.electrons_per_count * finer};
   return rig;
 }

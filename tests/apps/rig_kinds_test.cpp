@@ -56,6 +56,34 @@ TEST_P(EveryRigKind, IsSimulatedWithAndWithoutALearnedPrior) {
   }
 }
 
+TEST_P(EveryRigKind, IsStudied) {
+  WriteCoatings();
+  File("study.yaml", fmt::format(R"(version: 1
+kind: frontier
+name: small
+materials: ["*.yaml"]
+folds: 3
+rig: {}
+budgets: [12]
+noise: [none, default]
+targets: [10]
+dense_method: continuous
+theta_d_stride: 9
+phi_stride: 45
+contestants:
+  - name: chosen
+    plan: plan-information.yaml
+    prior: plan
+    reconstruction: dsbrdf
+)",
+                                 GetParam()));
+  const std::string out = Expect("study study.yaml --materials data --out o").out;
+  EXPECT_THAT(out, testing::Not(HasSubstr("failed")));
+  const json result = json::parse(ReadTextFile(work() / "o/results.json"));
+  EXPECT_EQ(result["cells"].size(), 10u);
+  for (const json& cell : result["cells"]) EXPECT_EQ(cell["rows"][0]["poses"], 12);
+}
+
 TEST_P(EveryRigKind, HasItsTimesCalibrated) {
   Expect(fmt::format("run --rig {} --max-poses 20 --quiet --out s", GetParam()));
   EXPECT_THAT(Expect("calibrate time s --out cal/time.yaml").out, HasSubstr("camera_arm"));

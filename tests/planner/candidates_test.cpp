@@ -126,6 +126,39 @@ TEST(MakeCandidates, KeepsSpreadPhiWithinItsSpan) {
   EXPECT_GT(widest, RadFromDeg(19));
 }
 
+// Half of the raster; the lamp is tilted further from the normal than the detector.
+TEST(MakeCandidates, InPlaneAreAllThatAPlaneHolds) {
+  const std::vector<Candidate> candidates = MakeCandidates({.phi = PhiChoice::kInPlane}, {});
+  EXPECT_GT(candidates.size(), 3000u);
+  EXPECT_LT(candidates.size(), 6000u);
+  for (const Candidate& candidate : candidates) {
+    EXPECT_EQ(candidate.angles.phi_d, 0);
+    EXPECT_LT(candidate.angles.theta_h + candidate.angles.theta_d, kPi / 2);
+    EXPECT_NEAR(candidate.directions.wi.y(), 0, 1e-15);
+    EXPECT_NEAR(candidate.directions.wo.y(), 0, 1e-15);
+    EXPECT_LT(candidate.directions.wi.z(), candidate.directions.wo.z());
+  }
+}
+
+// A detector that goes lower than the lamp takes its place, which is the same by reciprocity.
+TEST(MakeCandidates, InPlaneExchangeLightAndDetectorWhereOnlyThatIsReachable) {
+  const double lowest_light = std::cos(RadFromDeg(50));
+  const std::vector<Candidate> all = MakeCandidates({.phi = PhiChoice::kInPlane}, {});
+  const std::vector<Candidate> candidates =
+      MakeCandidates({.phi = PhiChoice::kInPlane},
+                     [&](const DirectionPair& pair) { return pair.wi.z() > lowest_light; });
+  int exchanged = 0;
+  for (const Candidate& candidate : candidates) {
+    EXPECT_GT(candidate.directions.wi.z(), lowest_light);
+    const HalfDiff angles = ToHalfDiff(candidate.directions);
+    EXPECT_NEAR(angles.theta_h, candidate.angles.theta_h, 1e-9);
+    EXPECT_NEAR(angles.theta_d, candidate.angles.theta_d, 1e-9);
+    if (candidate.directions.wo.z() < lowest_light) ++exchanged;
+  }
+  EXPECT_GT(exchanged, 1000);
+  EXPECT_GT(candidates.size(), all.size() / 2);
+}
+
 TEST(MakeCandidates, LeavesOutWhatIsNotReachable) {
   const auto shallow = [](const DirectionPair& pair) { return pair.cos_theta_i() > 0.5; };
   const std::vector<Candidate> candidates = MakeCandidates({}, shallow);
