@@ -73,7 +73,7 @@ class Scene {
     if (leds_) return SpectrumOf(bench_.LampColour(), truth_.colour_crosstalk);
     if (!wheel_) return Rgb::Ones();
     // The wheel is the bench's last axis.
-    const double at = bench_.Angle(kAxes);
+    const double at = bench_.Angle(axes_);
     for (const LightColour colour : kLightColours) {
       const double off = at - wheel_->positions[static_cast<std::size_t>(colour)];
       if (std::abs(off) <= 2 * wheel_->limits.position_tolerance) {
