@@ -22,9 +22,7 @@
 namespace gonio {
 namespace {
 
-ArmAngles AnglesDeg(double a, double b, double c, double d) {
-  return {RadFromDeg(a), RadFromDeg(b), RadFromDeg(c), RadFromDeg(d)};
-}
+constexpr const char* kSolidArms = "rig-solid-arms.yaml";
 
 constexpr int kPoses = 20;
 constexpr Seconds kTick{0.02};
@@ -58,7 +56,7 @@ class TickingClock final : public Clock {
 
 // What a session is given, and what will go wrong.
 struct Script {
-  bool solid = false;
+  std::string rig;
   std::string plan;
   std::string material;
   FailuresConfig failures;
@@ -88,7 +86,9 @@ Script Draw(std::uint64_t seed) {
   Script s;
   const auto chance = [&](double p) { return random.Uniform() < p; };
   const auto some_time = [&] { return Seconds(50 + 130 * random.Uniform()); };
-  s.solid = chance(0.5);
+  s.rig = Pick<std::string>(random, {"sim-rig.yaml", "sim-rig.yaml", kSolidArms, kSolidArms,
+                                     "rig-turntable.yaml", "rig-tilting-sample.yaml"});
+  const bool solid = s.rig != "sim-rig.yaml";
   s.plan =
       Pick<std::string>(random, {"plan-information.yaml", "plan-random.yaml", "plan-grid.yaml"});
   s.material = Pick<std::string>(random, {"satin-paint", "retro-cloth", "glossy-plastic", "ptfe"});
@@ -96,8 +96,8 @@ Script Draw(std::uint64_t seed) {
   if (chance(0.8)) s.failures.pose.then = FailureAction::kSkip;
   s.failures.instrument = DrawPolicy(random, 8);
   // Homing in the middle of a session is not watched: only for arms that cannot touch.
-  s.failures.axis = DrawPolicy(random, s.solid ? 0 : 5);
-  if (s.solid) s.failures.axis.then = FailureAction::kStop;
+  s.failures.axis = DrawPolicy(random, solid ? 0 : 5);
+  if (solid) s.failures.axis.then = FailureAction::kStop;
   s.failures.max_in_a_row = 3 + static_cast<int>(10 * random.Uniform());
   s.fault_rate = chance(0.1) ? 0 : std::exp(std::log(1e-3) + 3.5 * random.Uniform());
   if (chance(0.1)) s.stop_after_pose = some_time();
@@ -126,7 +126,7 @@ class Shift {
         temp_(temp),
         result_(*result),
         sample_(OpenBrdf(ConfigPath("materials/" + script.material + ".yaml"))) {
-    const std::string path = ConfigPath(script.solid ? "rig-solid-arms.yaml" : "sim-rig.yaml");
+    const std::string path = ConfigPath(script.rig);
     const ConfigNode root = ConfigNode::Load(path);
     rig_ = ReadRig(root, "");
     rig_.failures = script.failures;
@@ -148,7 +148,7 @@ class Shift {
                 .camera = std::move(sim.camera),
                 .light = std::move(sim.light),
                 .monitor = std::move(sim.monitor)};
-    watch_ = std::make_unique<CollisionWatch>(rig_);
+    if (script.rig == kSolidArms) watch_ = std::make_unique<CollisionWatch>(rig_);
     faulty_ = std::make_unique<FaultyRig>(
         devices_, [this](const auto& device, const auto& call) { return Fault(device, call); });
   }
@@ -156,10 +156,16 @@ class Shift {
   ~Shift() { devices_ = {}; }  // before their clock
 
   const RigConfig& rig() const { return rig_; }
+  SessionInfo Info() const {
+    SessionInfo info = SomeInfo();
+    info.axes.assign(rig_.axis_names().begin(), rig_.axis_names().end());
+    return info;
+  }
 
   std::unique_ptr<Planner> ThePlanner() const {
     Plan plan = LoadPlan(ConfigPath(script_.plan));
     plan.max_poses = kPoses;
+    if (IsInPlane(rig_.geometry.kind)) plan.StayInPlane();
     return MakePlanner(plan, {.reachable = [this](const DirectionPair& pair) {
                          return sample_->Eval(pair) && IsReachable(pair);
                        }});
@@ -193,17 +199,26 @@ class Shift {
   }
 
  private:
-  // Ways are looked for once: all sessions choose from the same poses.
+  // Ways are looked for once: all sessions on a rig choose from the same poses.
   bool IsReachable(const DirectionPair& pair) const {
-    if (!script_.solid) return Kinematics(rig_).Reachable(pair);
+    if (rig_.keep_out.light_arm.empty() && rig_.keep_out.camera_arm.empty()) {
+      return Kinematics(rig_).Reachable(pair);
+    }
     using Key = std::array<double, 6>;
-    static std::map<Key, bool> known;
-    static const PathPlanner paths(rig_);
+    struct Ways {
+      explicit Ways(const RigConfig& rig) : paths(rig) {}
+      const PathPlanner paths;
+      std::map<Key, bool> known;
+      std::optional<AxisPositions> somewhere;
+    };
+    static std::map<std::string, Ways> rigs;
+    Ways& ways = rigs.try_emplace(script_.rig, rig_).first->second;
     const Key key = {pair.wi.x(), pair.wi.y(), pair.wi.z(), pair.wo.x(), pair.wo.y(), pair.wo.z()};
-    const auto found = known.find(key);
-    if (found != known.end()) return found->second;
-    const ArmAngles home = AnglesDeg(0, 60, 180, 60);
-    return known[key] = paths.PlanTo(home, pair).ok();
+    const auto found = ways.known.find(key);
+    if (found != ways.known.end()) return found->second;
+    const auto there = ways.paths.kinematics().Inverse(pair, {});
+    if (!ways.somewhere && there && ways.paths.Plan(*there, *there)) ways.somewhere = there;
+    return ways.known[key] = ways.somewhere && ways.paths.PlanTo(*ways.somewhere, pair).ok();
   }
 
   static bool Due(bool& done, const std::optional<Seconds>& at, Seconds now) {
@@ -226,7 +241,7 @@ class Shift {
 
   void WaitForPerson() {
     for (const auto& motor : motors_) {
-      if (motor->Moving()) Violation("an arm moves while a person is waited for");
+      if (motor && motor->Moving()) Violation("an arm moves while a person is waited for");
     }
     clock_->SleepFor(Seconds(30), now_.get_token());
     if (random_.Uniform() < 0.2) after_pose_.request_stop();
@@ -240,7 +255,7 @@ class Shift {
     if (Due(aborted_, script_.stop_now, now)) now_.request_stop();
     if (script_.door) FollowDoor(now);
     const bool session_moves = state_ != SessionState::kUnhomed;  // homing is not watched
-    if (watch_->empty() || !session_moves) return;
+    if (!watch_ || !session_moves) return;
     ArmAngles angles{};
     bool moving = false;
     for (int i = 0; i < kAxes; ++i) {
@@ -285,7 +300,7 @@ class Shift {
 
   void CheckEnd(const SessionSummary& summary) {
     for (const auto& motor : motors_) {
-      if (motor->Moving()) Violation("an arm moves after the end");
+      if (motor && motor->Moving()) Violation("an arm moves after the end");
     }
     if (lamp_->level() != 0 && !summary.clean_up_failed) Violation("the light is on after the end");
     for (const SessionPose& pose : summary.poses) {
@@ -350,7 +365,7 @@ SessionSummary Begin(const Script& script, std::uint64_t seed, const std::filesy
   const auto planner = shift.ThePlanner();
   SessionSummary summary;
   {
-    EventLog log = EventLog::Create(dir, SomeInfo());
+    EventLog log = EventLog::Create(dir, shift.Info());
     std::optional<FileSizeLimit> full;
     if (script.disk) full.emplace(*script.disk);
     summary = shift.Run(*planner, log, nullptr);

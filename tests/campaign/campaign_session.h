@@ -24,8 +24,8 @@ struct CampaignResult {
   std::vector<std::string> violations;  // what may never be, one line each
 };
 
-// A simulated rig, with arms that can touch or without, a planner, a sample, failure policies,
-// interlocks, a lamp, a user and a disk, all drawn from `seed`.
+// A simulated rig of some kind, with arms that can touch or without, a planner, a sample, failure
+// policies, interlocks, a lamp, a user and a disk, all drawn from `seed`.
 CampaignResult RunCampaignSession(std::uint64_t seed);
 
 }  // namespace gonio

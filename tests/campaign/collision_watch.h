@@ -18,7 +18,6 @@ class CollisionWatch {
  public:
   explicit CollisionWatch(const RigConfig& rig);
 
-  bool empty() const { return config_.light_arm.empty() && config_.camera_arm.empty(); }
   // Which solids are nearer than `gap` [m] with the arms at `angles`; nullopt: none.
   std::optional<std::string> FindAt(const ArmAngles& angles, double gap) const;
 
