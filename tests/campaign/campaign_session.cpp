@@ -345,6 +345,7 @@ void CheckLog(const std::filesystem::path& dir, const Shift& shift, const Sessio
               CampaignResult* result) {
   for (const std::string& damage : FindDamage(dir)) result->violations.push_back(damage);
   const SessionRecord record = ReadSession(dir);
+  result->events.clear();  // a session that goes on has those before in its log, too
   const bool trace = std::getenv("GONIO_CAMPAIGN_TRACE") != nullptr;
   for (const SessionEvent& event : record.events) {
     ++result->events[event.kind];
