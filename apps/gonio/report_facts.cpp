@@ -31,6 +31,7 @@ RigConfig RigOf(const SessionInfo& info) {
 void ReadEvents(ReportFacts* facts) {
   Seconds begun(0);  // the session, or its last resume
   for (const SessionEvent& event : facts->session.events) {
+    if (auto incident = IncidentOf(event)) facts->incidents.push_back(*std::move(incident));
     if (event.kind == "pose_rejected") {
       const json body = json::parse(event.body);
       facts->refusals.push_back({{RadFromDeg(body.at("theta_h_deg").get<double>()),

@@ -12,6 +12,7 @@
 #include "acquisition/rig.h"
 #include "acquisition/session_record.h"
 #include "acquisition/time_estimate.h"
+#include "apps/gonio/report_incidents.h"
 #include "brdf/brdf.h"
 #include "fitting/fit.h"
 #include "planner/plan.h"
@@ -55,6 +56,7 @@ struct ReportFacts {
   RigConfig rig;  // default for imported samples, as the two estimates below are
   std::vector<Refusal> refusals;
   std::vector<std::string> device_errors;
+  std::vector<Incident> incidents;
   SessionTimes times;
   PredictedTimes predicted_times;
   TimeEstimate dense;    // the same rig, at the session's mean exposure

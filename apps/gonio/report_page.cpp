@@ -368,6 +368,9 @@ std::string ReportPage(const ReportFacts& facts) {
     body += Section("lobes", "The lobes of the fit", FigureHtml(LobeFigure(facts), "lobe"));
   }
   body += Section("samples", "Samples", Samples(facts));
+  if (!facts.incidents.empty()) {
+    body += Section("incidents", "What came between", IncidentTable(facts.incidents));
+  }
   if (!facts.refusals.empty()) body += Section("refused", "Refused poses", Refusals(facts));
   body += Section("identities", "What made this", Identities(facts));
   return fmt::format(

@@ -28,6 +28,12 @@ void RemarkOnEnd(const ReportFacts& facts, Sentences* remarks) {
   for (const std::string& error : facts.device_errors) {
     remarks->push_back("Device error: " + error + ".");
   }
+  if (!facts.incidents.empty()) {
+    remarks->push_back(fmt::format(
+        "{} {} between the poses, such as failures, interlocks or pauses; "
+        "see the list near the end.",
+        facts.incidents.size(), facts.incidents.size() == 1 ? "thing came" : "things came"));
+  }
 }
 
 void RemarkOnPoses(const ReportFacts& facts, Sentences* remarks) {

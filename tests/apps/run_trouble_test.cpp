@@ -30,6 +30,12 @@ TEST_F(RunTrouble, AnEmergencyStopIsSaidAndEndsWithFour) {
   File("button", "1\n");
   EXPECT_EQ(Gonio("run --resume s --quiet").code, 0);
   EXPECT_EQ(ReadSession(work() / "s").poses.size(), 3u);
+  Expect("report s");
+  const std::string page = ReadTextFile(work() / "s/report.html");
+  for (const char* word : {"What came between", "interlock button: is 0, must be &gt;= 1",
+                           "goes on in another process", "2 things came between the poses"}) {
+    EXPECT_THAT(page, HasSubstr(word));
+  }
 }
 
 TEST_F(RunTrouble, TheEndIsToldToACommand) {
