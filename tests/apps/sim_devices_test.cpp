@@ -201,7 +201,7 @@ TEST_F(SimCameraDevices, ASessionOpensItsCameraAnew) {
                         "black_level_counts: 64, reopen_s: 1") +
                        "failures: {instrument: {retries: 30, wait_s: 0.5}, max_in_a_row: 100}\n");
   const Finished finished =
-      OnBench("rig.yaml --material grey.yaml --camera-gone-after 3 --camera-gone-for-s 20",
+      OnBench("rig.yaml --material grey.yaml --camera-gone-after 3 --camera-gone-for-s 28",
               "\"$GONIO\" run --rig rig.yaml --max-poses 6 --out session "
               "--notify 'cat >> notices'");
   ASSERT_EQ(finished.code, 0) << finished.err;
