@@ -57,7 +57,7 @@ AxisPositions WithinTargets(const RigConfig& rig, AxisPositions angles) {
 }  // namespace
 
 std::vector<ImageRegion> RegionsSeen(const RigConfig& rig, const Kinematics& kinematics,
-                                     const ArmAngles& readback, const SiteMask* bad) {
+                                     const AxisPositions& readback, const SiteMask* bad) {
   std::vector<ImageRegion> regions =
       RegionsOf(kinematics.ImagingAt(rig.imaging, readback), kinematics.TrueAngles(readback),
                 rig.camera.width, rig.camera.height, rig.geometry.max_polar, rig.samples_per_image);
@@ -109,7 +109,7 @@ Result<PoseRecord> PoseMeasurer::Measure(const DirectionPair& pair,
                        frames);
 }
 
-Result<PoseRecord> PoseMeasurer::MeasureAt(const ArmAngles& arms,
+Result<PoseRecord> PoseMeasurer::MeasureAt(const AxisPositions& arms,
                                            const std::optional<Rgb>& expected, std::stop_token stop,
                                            int frames) {
   return MeasureOrStop([&] { return paths_.Plan(position_, arms); }, expected, std::move(stop),
@@ -179,7 +179,7 @@ Result<void> PoseMeasurer::Move(const FindPath& find, PoseRecord& record, std::s
   const auto path = find();
   if (!path) return path.error();
   record.commanded = path->back();
-  for (const ArmAngles& leg : *path) {
+  for (const AxisPositions& leg : *path) {
     for (int i = 0; i < kAxes; ++i) {
       if (!Stays(position_[i] - leg[i], rig_.axes[i])) state_.told[i] = leg[i];
     }

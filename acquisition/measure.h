@@ -21,8 +21,8 @@ namespace gonio {
 
 // Everything the devices said about one pose: what the event log keeps, before any reduction.
 struct PoseRecord {
-  ArmAngles commanded{};
-  ArmAngles readback{};  // encoders, after settling
+  AxisPositions commanded{};
+  AxisPositions readback{};  // encoders, after settling
   int move_retries = 0;
   Seconds start{0};                  // session clock
   Seconds move_time{0};              // until the last axis was still
@@ -34,7 +34,7 @@ struct PoseRecord {
 // What the next pose depends on beside where the encoders say the arms are.
 struct MeasurerState {
   // What each axis was last told: one that is near enough to its target is told nothing.
-  ArmAngles told{};
+  AxisPositions told{};
   // That suited the last pose: the first one of the next where nothing is expected.
   std::optional<Seconds> exposure;
   // The same of a light with colours, by channel: counts per second and pixel of the last pose. And
@@ -45,7 +45,7 @@ struct MeasurerState {
 
 // The sample in the image while the encoders read so, without pixels that are bad.
 std::vector<ImageRegion> RegionsSeen(const RigConfig& rig, const Kinematics& kinematics,
-                                     const ArmAngles& readback, const SiteMask* bad);
+                                     const AxisPositions& readback, const SiteMask* bad);
 
 // Measures poses with opened devices. One thread.
 class PoseMeasurer {
@@ -75,7 +75,7 @@ class PoseMeasurer {
 
   // The same where the arms are told where to go, not what to look at: for a pose that was measured
   // before, which others would reach differently.
-  Result<PoseRecord> MeasureAt(const ArmAngles& arms, const std::optional<Rgb>& expected,
+  Result<PoseRecord> MeasureAt(const AxisPositions& arms, const std::optional<Rgb>& expected,
                                std::stop_token stop, int frames = 1);
   // Goes where another measurer has left the arms, and measures nothing.
   Result<void> Restore(const MeasurerState& state, std::stop_token stop);
@@ -87,7 +87,7 @@ class PoseMeasurer {
 
   const MeasurerState& state() const { return state_; }
   // Where the arms are, by their encoders.
-  const ArmAngles& position() const { return position_; }
+  const AxisPositions& position() const { return position_; }
 
  private:
   // Where to go from `position_`.
@@ -124,7 +124,7 @@ class PoseMeasurer {
   FrameTaker taker_;
   ColourChanger colours_;
   PathPlanner paths_;
-  ArmAngles position_{};
+  AxisPositions position_{};
   MeasurerState state_;
   bool axes_failed_ = false;
 };

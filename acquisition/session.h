@@ -138,7 +138,7 @@ struct SessionSoFar {
   // The last measured pose, to be measured again.
   struct Reference {
     int pose = 0;
-    ArmAngles arms{};  // MeasurerState::told after it
+    AxisPositions arms{};  // MeasurerState::told after it
     int frames = 1;
     BrdfSample before;
   };

@@ -22,10 +22,10 @@ constexpr double kSameDirection = 1e-7;  // rad
 constexpr double kSameNumber = 1e-9;
 
 // Sessions of older versions do not say; what is left is where the arms were sent.
-MeasurerState StateOf(const json& body, const ArmAngles& sent) {
+MeasurerState StateOf(const json& body, const AxisPositions& sent) {
   const auto found = body.find("after");
   if (found == body.end()) return {.told = sent, .exposure = {}};
-  MeasurerState state{.told = found->at("told_rad").get<ArmAngles>(), .exposure = {}};
+  MeasurerState state{.told = found->at("told_rad").get<AxisPositions>(), .exposure = {}};
   if (found->contains("exposure_s")) {
     state.exposure = Seconds(found->at("exposure_s").get<double>());
   }

@@ -25,9 +25,9 @@ struct LoggedTurn {
 // All of it that later turns depend on beside what the planner was told.
 struct SessionHistory {
   std::vector<LoggedTurn> turns;
-  Seconds end{0};                         // of the last event
-  std::optional<MeasurerState> measurer;  // after the last turn; empty before the first
-  std::optional<ArmAngles> reference;     // MeasurerState::told after the last measured pose
+  Seconds end{0};                          // of the last event
+  std::optional<MeasurerState> measurer;   // after the last turn; empty before the first
+  std::optional<AxisPositions> reference;  // MeasurerState::told after the last measured pose
 
   std::vector<LoggedVisit> visits;  // to the reference pose of RigConfig::drift
 

@@ -202,8 +202,8 @@ void TakeExactAngles(const std::vector<SessionEvent>& events, std::vector<Measur
     const std::size_t i = body.at("pose").get<std::size_t>() - 1;
     if (i >= poses->size() || !body.contains("commanded_rad")) continue;
     MeasuredPose& pose = (*poses)[i];
-    pose.commanded = body["commanded_rad"].get<ArmAngles>();
-    pose.readback = body["readback_rad"].get<ArmAngles>();
+    pose.commanded = body["commanded_rad"].get<AxisPositions>();
+    pose.readback = body["readback_rad"].get<AxisPositions>();
     pose.frames_wanted = body.value("frames_wanted", 1);
   }
 }

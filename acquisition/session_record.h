@@ -29,9 +29,9 @@ struct MeasuredPose {
   int frames = 0;
   int frames_wanted = 1;  // usable ones, by the planner
   int move_retries = 0;
-  ArmAngles commanded{};
-  ArmAngles readback{};  // encoders, after settling
-  Seconds start{0};      // session clock
+  AxisPositions commanded{};
+  AxisPositions readback{};  // encoders, after settling
+  Seconds start{0};          // session clock
   Seconds move_time{0};
   Seconds end{0};
   Seconds exposed{0};                     // sum of the frames' exposures, without read-out

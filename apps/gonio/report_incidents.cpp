@@ -67,9 +67,9 @@ std::string IncidentTable(const std::vector<Incident>& incidents) {
   const std::size_t shown = std::min(incidents.size(), kRowsShown);
   for (std::size_t i = 0; i < shown; ++i) {
     const Incident& incident = incidents[i];
-    html += fmt::format(
-        "<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td></tr>\n",
-        ForPeople(incident.time), incident.what, XmlText(incident.message));
+    html +=
+        fmt::format("<tr><td>{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td></tr>\n",
+                    ForPeople(incident.time), incident.what, XmlText(incident.message));
   }
   html += "</table>\n";
   if (shown < incidents.size()) {

@@ -13,8 +13,8 @@
 namespace gonio {
 
 struct Incident {
-  Seconds time{0};    // session clock
-  std::string what;   // "failure", "suspended by an interlock", ...
+  Seconds time{0};   // session clock
+  std::string what;  // "failure", "suspended by an interlock", ...
   std::string message;
 };
 
