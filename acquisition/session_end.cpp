@@ -51,7 +51,7 @@ bool SessionLoop::EndWith(const Error& cause) {
 void SessionLoop::Finish() {
   const bool clean = summary_.outcome == SessionOutcome::kComplete ||
                      (summary_.outcome == SessionOutcome::kStopped && !stop_.now.stop_requested());
-  if (clean && options_.park) Park();
+  if (clean && well_ && options_.park) Park();
   const std::string failure = CleanUp();
   if (!failure.empty()) {
     summary_.clean_up_failed = true;
@@ -90,6 +90,8 @@ std::string SessionLoop::CleanUp() {
     };
     if (parts_.devices.light) {
       add("the light may still be on: ", parts_.devices.light->SetLevel(0));
+    } else {
+      add("the light may still be on: ", Error{ErrorCode::kDisconnected, "it is not open"});
     }
     if (IsFault(summary_.outcome)) add("an axis may still move: ", StopAll(parts_.devices));
     if (failure.empty() || hopeless) return failure;
@@ -98,8 +100,13 @@ std::string SessionLoop::CleanUp() {
   }
 }
 
-// A way to go is found as for every pose. Where it cannot be gone the arms stay where they are.
+// A way to go is found as for every pose. Where it cannot be gone, or somebody stands in the open
+// door, the arms stay where they are.
 void SessionLoop::Park() {
+  if (const auto trip = CheckInterlocks()) {
+    (void)Warn("park_failed", "not parked: interlock " + trip->message);
+    return;
+  }
   const SessionAbort abort(stop_.now, parts_.interlocks);
   const auto parked = measurer_.GoTo(*parts_.rig.motion.park, abort.token());
   if (parked.ok()) {

@@ -99,6 +99,7 @@ class SessionLoop {
   ReferenceVisits references_;
   FailureBook failures_;
   SessionState state_ = SessionState::kUnhomed;
+  bool well_ = true;  // no device has failed that was not opened anew since
   Seconds begin_{0};
   std::uint64_t turn_ = 0;
   std::optional<SessionSoFar::Reference> last_;  // the last measured pose

@@ -100,6 +100,7 @@ bool SessionLoop::Fail(const Error& error, const MeasurerState& before, const Pr
   const FailureBook::Verdict verdict = failures_.Next(failure);
   if (verdict == FailureBook::Verdict::kStop) return EndWith(error);
   const bool well = failure == FailureClass::kPose;
+  well_ = well_ && well;
   if (verdict != FailureBook::Verdict::kSkip || !well) {
     const std::string at = proposal != nullptr ? " at " + TextOf(*proposal) : "";
     if (!Warn("failure", fmt::format("{}{}: {}", ToString(failure), at, error.message))) {
@@ -138,6 +139,7 @@ bool SessionLoop::Recover(FailureClass failure, const MeasurerState& before) {
     const auto reference = TryToRecover(failure, before);
     if (reference.ok()) {
       Enter(SessionSignal::kOpened);
+      well_ = true;
       const bool homed = failure == FailureClass::kAxis;
       return Note("recovered", homed ? "opened anew, every axis homed" : "opened anew") &&
              (!*reference || Accept(**reference));

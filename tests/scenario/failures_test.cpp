@@ -32,6 +32,10 @@ class FailingBench : public SteadyBench {
     parts.draw = draw;
     parts.reopen = [&](FailureClass failure) -> Result<void> {
       reopened.push_back(failure);
+      if (lose_light) {
+        devices.light.reset();
+        return Error{ErrorCode::kDisconnected, "no such port"};
+      }
       if (!cable) return Error{ErrorCode::kDisconnected, "no such port"};
       faulty.Reopen(failure);
       return {};
@@ -58,7 +62,8 @@ class FailingBench : public SteadyBench {
   const TempDir dir;
   ScriptedPlanner planner{FourPoses()};
   FaultScript script;
-  bool cable = true;  // whether what was unplugged is there again
+  bool lose_light = false;  // it is closed, and cannot be opened
+  bool cable = true;        // whether what was unplugged is there again
   std::vector<FailureClass> reopened;
   std::vector<std::string> notices;
   std::vector<SessionState> states;
@@ -293,6 +298,39 @@ TEST(Failures, ArmsThatWereStoppedAtOnceAreNotParked) {
       bench.RunWith({.after_pose = {}, .now = user.get_token()}, {.park = true});
   EXPECT_EQ(summary.outcome, SessionOutcome::kStopped);
   EXPECT_GT(std::abs(bench.motors[kLightAzimuth]->Position() - 0.1), 1e-3);
+}
+
+// Example failure is an arm that failed and is sent off because the person who was called went
+// home.
+TEST(Failures, ArmsOfWhichOneFailedAreNotParked) {
+  FailingBench bench;
+  bench.rig.motion.park = std::array<double, 4>{0.1, 1.2, 3, 1.1};
+  bench.rig.failures.axis.then = FailureAction::kPause;
+  bench.script = [&, count = 0](const std::string& device,
+                                const std::string& call) mutable -> std::optional<Error> {
+    if (device != "camera_azimuth" || call != "StartMove" || ++count != 2) return std::nullopt;
+    return Error{ErrorCode::kProtocol, "planted"};
+  };
+  std::stop_source user;
+  const SessionSummary summary = bench.RunWith({.after_pose = user.get_token(),
+                                                .now = {},
+                                                .pause = {},
+                                                .wait = [&] { user.request_stop(); }},
+                                               {.park = true});
+  EXPECT_EQ(summary.outcome, SessionOutcome::kStopped);
+  EXPECT_GT(std::abs(bench.motors[kLightElevation]->Position() - 1.2), 1e-3);
+  EXPECT_THAT(KindsOf(ReadSession(bench.dir / "s")), testing::Not(Contains("parked")));
+}
+
+// What was closed to be opened anew, and then was not.
+TEST(Failures, ALightThatIsNotOpenAtTheEndIsSaid) {
+  FailingBench bench;
+  bench.FailCall("monitor", "Read", 3, ErrorCode::kDisconnected);
+  bench.lose_light = true;
+  const SessionSummary summary = bench.RunWith();
+  EXPECT_EQ(summary.outcome, SessionOutcome::kDeviceFault);
+  EXPECT_TRUE(summary.clean_up_failed);
+  EXPECT_THAT(summary.warnings, Contains("the light may still be on: it is not open"));
 }
 
 TEST(FailuresConfig, IsReadFromARigFile) {

@@ -76,10 +76,11 @@ class InterlockedBench : public Bench {
       if (state == SessionState::kSuspended && on_suspended) on_suspended();
       if (states.empty() || states.back() != state) states.push_back(state);
     };
-    return RunSession(parts, {}, stop);
+    return RunSession(parts, {.park = park}, stop);
   }
 
   const TempDir dir;
+  bool park = false;
   DimMonitor* lamp_monitor = nullptr;
   std::function<void(int)> on_observe;
   std::function<void()> on_suspended;
@@ -294,6 +295,25 @@ TEST(Interlocks, NothingMovesBeforeTheDoorIsClosed) {
   EXPECT_THAT(summary.reason, HasSubstr("door: is 0"));
   EXPECT_EQ(bench.motors[kLightAzimuth]->Position(), before);
   EXPECT_GT(bench.clock.Now(), Seconds(599));
+}
+
+// Example failure is an arm that is parked past whoever opened the door, since the end was clean.
+TEST(Interlocks, NothingIsParkedWhileADoorIsOpen) {
+  InterlockedBench bench;
+  bench.rig.motion.park = std::array<double, 4>{0.1, 1.2, 3, 1.1};
+  bench.park = true;
+  const std::filesystem::path file = bench.dir.File("door", "1\n");
+  bench.on_observe = [&](int n) {
+    if (n == 2) bench.dir.File("door", "0\n");
+  };
+  std::stop_source user;
+  bench.on_suspended = [&] { user.request_stop(); };
+  const SessionSummary summary = bench.RunWith({.signals = {Door(file)}}, nullptr,
+                                               {.after_pose = user.get_token(), .now = {}});
+  EXPECT_EQ(summary.outcome, SessionOutcome::kStopped);
+  EXPECT_GT(std::abs(bench.motors[kLightElevation]->Position() - 1.2), 1e-3);
+  EXPECT_THAT(summary.warnings,
+              testing::Contains(HasSubstr("not parked: interlock door: is 0, must be >= 1")));
 }
 
 TEST(Interlocks, TheUserEndsASuspension) {
