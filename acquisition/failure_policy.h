@@ -3,8 +3,6 @@
 
 #pragma once
 
-#include <string>
-
 #include "core/clock.h"
 #include "core/config.h"
 
@@ -16,8 +14,6 @@ enum class FailureClass {
   kInstrument,  // camera, light or monitor: opened anew, the arms stay where they are
   kAxis,        // an axis: opened anew, and all axes are homed, from wherever they stopped
 };
-inline constexpr FailureClass kFailureClasses[] = {FailureClass::kPose, FailureClass::kInstrument,
-                                                   FailureClass::kAxis};
 // "pose", "instrument", "axis": as in rig files and in the log.
 const char* ToString(FailureClass failure);
 
@@ -63,7 +59,6 @@ class FailureBook {
 
   bool TooMany() const { return in_a_row_ >= config_.max_in_a_row; }
   int in_a_row() const { return in_a_row_; }
-  int attempts() const { return attempts_; }
 
  private:
   const FailuresConfig& config_;

@@ -28,6 +28,13 @@ Result<Frame> TakeWhole(Camera& camera, const CameraInfo& info, Seconds exposure
                   ToString(frame->layout), info.width, info.height, ToString(info.layout))};
 }
 
+// Precondition: there are some.
+double Rms(const std::deque<double>& changes) {
+  double squares = 0;
+  for (const double change : changes) squares += change * change;
+  return std::sqrt(squares / static_cast<double>(changes.size()));
+}
+
 }  // namespace
 
 Result<double> FrameTaker::ReadMonitor() {
@@ -49,16 +56,15 @@ Result<double> FrameTaker::ReadMonitor() {
 Result<void> FrameTaker::CheckSteady(Clock& clock) {
   if (!rig_.max_light_change) return {};
   auto before = ReadMonitor();
-  double squares = 0;
+  std::deque<double> changes;
   for (std::size_t n = 0; n < kSteadyReadings; ++n) {
     if (before.ok()) clock.SleepFor(kBetweenReadings);
     const auto now = before.ok() ? ReadMonitor() : before;
     if (!now) return now.error();
-    const double change = (*now - *before) / *before;
-    squares += change * change;
+    changes.push_back((*now - *before) / *before);
     before = now;
   }
-  const double flicker = std::sqrt(squares / kSteadyReadings);
+  const double flicker = Rms(changes);
   if (flicker <= *rig_.max_light_change) return {};
   return Unsteady(fmt::format("flickers by {:.2g} % from reading to reading", 100 * flicker));
 }
@@ -78,7 +84,8 @@ Result<Exposure> FrameTaker::Take(Seconds exposure, double monitor, std::stop_to
     taken.monitor = (monitor + *after) / 2;
     changes_.push_back(change);
     if (changes_.size() > kSteadyReadings) changes_.pop_front();
-    if (const double flicker = Flicker(); flicker > *rig_.max_light_change) {
+    const bool enough = changes_.size() == kSteadyReadings;
+    if (const double flicker = Rms(changes_); enough && flicker > *rig_.max_light_change) {
       changes_.clear();
       return Unsteady(fmt::format("changed by {:.2g} % during each of the last {} exposures",
                                   100 * flicker, kSteadyReadings));
@@ -88,13 +95,6 @@ Result<Exposure> FrameTaker::Take(Seconds exposure, double monitor, std::stop_to
   }
   return Unsteady(fmt::format("changed by more during {} exposures in a row, at last by {:.2g} %",
                               kTries, 100 * change));
-}
-
-double FrameTaker::Flicker() const {
-  if (changes_.size() < kSteadyReadings) return 0;
-  double squares = 0;
-  for (const double change : changes_) squares += change * change;
-  return std::sqrt(squares / kSteadyReadings);
 }
 
 Error FrameTaker::Unsteady(const std::string& how) const {

@@ -53,9 +53,6 @@ class FrameTaker {
 
  private:
   Error Unsteady(const std::string& how) const;
-  // Of the last kSteadyReadings changes; 0 before there are so many.
-  double Flicker() const;
-
   const RigConfig& rig_;
   Devices& devices_;
   std::deque<double> changes_;  // relative, the last ones

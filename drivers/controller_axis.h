@@ -71,9 +71,8 @@ Result<void> ReadBackAs(const std::string& setting, double value, double got, do
 //   - A fault on the way stops the axis, as do a time-out, cancelling, and a position that stays
 //     the same for two seconds while the controller says that it moves.
 //   - A stop is no fault, and waits until the motor stands.
-//   - While an emergency stop is pressed, all but stops are kEmergencyStop. Homing finds out
-//   whether
-//     it still is.
+//   - While an emergency stop is pressed, all but stops are kEmergencyStop; homing finds out
+//     whether it still is.
 //   - Only homing gives the motor power.
 class ControllerAxis final : public Axis {
  public:

@@ -263,8 +263,12 @@ Result<void> Reopen(const RigFile& file, const Brdf* sample, std::uint64_t seed,
         ErrorCode::kDisconnected,
         "the light cannot be opened anew alone: its filter wheel is on a line of the axes"};
   }
-  rig.devices.camera.reset();  // a simulated one looks at the others
-  rig.genicam = nullptr;
+  // A simulated camera looks at the other devices; a real one does not mind the axes.
+  const bool simulated = file.config.camera_device.driver == CameraDevice::Driver::kSimulated;
+  if (!axes || simulated) {
+    rig.devices.camera.reset();
+    rig.genicam = nullptr;
+  }
   try {
     AxisOpener opener(rig.clock.get(), rig.wires);
     if (axes) {
@@ -279,7 +283,7 @@ Result<void> Reopen(const RigFile& file, const Brdf* sample, std::uint64_t seed,
       OpenLightAndMonitor(file, seed, rig);
       OpenWheel(file.config, opener, rig);
     }
-    OpenCameraOf(file, sample, seed, rig);
+    if (!rig.devices.camera) OpenCameraOf(file, sample, seed, rig);
   } catch (const std::runtime_error& e) {
     return Error{ErrorCode::kDisconnected, e.what()};
   }
